@@ -40,12 +40,18 @@ typedef struct tz_rules {
     tz_ctx *ctx;
 } tz_rules;
 
+/** A rule with no shape that changes nothing. */
+TZ_API tz_rule tz_rule_default(void);
 /** One rule that holds everywhere, with defaults. */
 TZ_API tz_status tz_rules_default(tz_ctx *ctx, tz_rules *r);
 /** Reads a JSON rule file; image paths are relative to it. Unknown keys, wrong types and
  * values out of range are errors that name the key. Angles in the file are degrees.
  * @return TZ_OK; TZ_IO; TZ_FORMAT (line); TZ_INVALID; TZ_LIMIT; TZ_NOMEM */
 TZ_API tz_status tz_rules_read(tz_ctx *ctx, const char *path, tz_rules *r);
+/** The same from text in memory; `name` stands in messages, and image paths are relative to
+ * its folder. */
+TZ_API tz_status tz_rules_parse(tz_ctx *ctx, const char *name, const char *text,
+                                size_t size, tz_rules *r);
 TZ_API void tz_rules_deinit(tz_rules *r); /**< takes zeroed */
 /** Rule index at layout point p of a w x h layout; `u` in [0, 1) decides in feathered
  * borders. Always valid: rule 0 is everywhere. */
