@@ -74,12 +74,16 @@ TZ_API tz_status tz_layout_read(tz_ctx *ctx, const char *path, tz_layout *l);
 
 /* ---- editing, with undo --------------------------------------------------------- */
 
-/** Journal of edits on a layout; each edit reports which pixels it touched. */
+/** Journal of edits on a layout; each edit reports which pixels it touched. While a journal
+ * is open the layout changes through it alone, and tz_layout_compact waits: ids must hold.
+ * What is placed or changed by hand becomes `fixed`. On error nothing is changed. */
 typedef struct tz_layout_edit tz_layout_edit;
 TZ_API tz_status tz_layout_edit_new(tz_layout *l, tz_layout_edit **out); /**< l must outlive it */
 TZ_API void tz_layout_edit_free(tz_layout_edit *e);
-/** Each returns in *dirty the layout rectangle whose pixels may change (the whole layout
- * where a torus would make it wrap). */
+/** Each returns in *dirty the layout rectangle where the placement showed before or shows
+ * now (the whole layout where a torus would make it wrap; w = h = 0 if outside). The
+ * compositor's correction reaches beyond it: grow it by the compositor's reach (on a torus
+ * with wrap) before rendering again, then the rest of the picture keeps its bytes. */
 TZ_API tz_status tz_layout_edit_place(tz_layout_edit *e, int32_t source, int32_t group,
                                       tz_affine map, const tz_point *border, int32_t n,
                                       int32_t *id, tz_rect *dirty);
@@ -91,5 +95,8 @@ TZ_API tz_status tz_layout_edit_scale(tz_layout_edit *e, int32_t id, double fact
 TZ_API tz_status tz_layout_edit_remove(tz_layout_edit *e, int32_t id, tz_rect *dirty);
 TZ_API tz_status tz_layout_edit_undo(tz_layout_edit *e, tz_rect *dirty); /**< TZ_INVALID: nothing */
 TZ_API tz_status tz_layout_edit_redo(tz_layout_edit *e, tz_rect *dirty);
+
+TZ_API bool tz_layout_edit_can_undo(const tz_layout_edit *e);
+TZ_API bool tz_layout_edit_can_redo(const tz_layout_edit *e);
 
 #endif
