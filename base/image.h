@@ -4,7 +4,7 @@
 #ifndef TZ_BASE_IMAGE_H
 #define TZ_BASE_IMAGE_H
 
-#include "base/alloc.h"
+#include "base/array.h"
 #include "base/geom.h"
 
 #define TZ_IMAGE_MAX_SIDE 1000000

@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Compositing, tile by tile: labels, source pixels under the label's map, seam correction.
+ * Each stage depends on layout coordinates alone (compose_label.c, compose_source.c,
+ * compose_blend.c), so tiles can be cut anyhow. */
+#include <string.h>
+
+#include "synthesis/compose_internal.h"
+
+static const tz_param rows[] = {
+    {"crop", TZ_PARAM_RECT, offsetof(tz_compose_params, crop), -1e6, 1e6, "0,0,0,0", "px",
+     NULL, "Render only this part of the layout: x,y,w,h; w = 0 renders all"},
+    {"clone", TZ_PARAM_ENUM, offsetof(tz_compose_params, clone), 0, 2, "screened", "",
+     "screened|none|opencv",
+     "How steps at seams are removed: one screened Poisson solve, not at all, or OpenCV's "
+     "seamlessClone one piece after another (slow; for comparison)"},
+    {"decay", TZ_PARAM_DOUBLE, offsetof(tz_compose_params, decay), 1, 4096, "96", "px", NULL,
+     "Distance over which a seam's colour correction fades"},
+};
+
+const tz_param_table tz_compose_param_table = {
+    "render", "Compositing of a layout into pixels", rows, sizeof rows / sizeof rows[0],
+    sizeof(tz_compose_params)};
+
+enum { TILE = 512 };
+
+static tz_status prepare_pieces(tz_ctx *ctx, tz_composer *c)
+{
+    const tz_layout *l = c->layout;
+    tz_status s = tz_alloc_zero(ctx, &c->piece, (size_t)l->place.n, sizeof *c->piece);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &c->edge, 2 * (size_t)l->border.n, sizeof *c->edge);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t k = 0; k < l->place.n; k++) {
+        const tz_placement *pl = &l->place.v[k];
+        tz_piece *p = &c->piece[k];
+        if (pl->removed)
+            continue;
+        if (!tz_affine_finite(pl->map) || !tz_affine_invert(pl->map, &p->inv))
+            return tz_fail(ctx, TZ_INVALID, "layout: placement %d has a map without inverse",
+                           (int)k);
+        p->source = pl->source;
+        const tz_affine i = p->inv;
+        p->exact = i.a == 1 && i.b == 0 && i.c == 0 && i.d == 1 && i.e == floor(i.e) &&
+                   i.f == floor(i.f);
+        p->x0 = p->y0 = INFINITY, p->x1 = p->y1 = -INFINITY;
+        for (int32_t q = pl->border; q < pl->border + pl->points; q++) {
+            const tz_vec2 v =
+                tz_affine_apply(pl->map, (tz_vec2){l->border.v[q].x, l->border.v[q].y});
+            c->edge[2 * (size_t)q] = v.x, c->edge[2 * (size_t)q + 1] = v.y;
+            p->x0 = v.x < p->x0 ? v.x : p->x0, p->x1 = v.x > p->x1 ? v.x : p->x1;
+            p->y0 = v.y < p->y0 ? v.y : p->y0, p->y1 = v.y > p->y1 ? v.y : p->y1;
+        }
+        if (c->kind == TZ_MAP_NORMAL && c->channels >= 3) {
+            /* Normals turn with the surface. Their y points up the picture while ours
+             * points down: conjugate the linear part with diag(1, -1). */
+            const double scale = sqrt(fabs(tz_affine_det(pl->map)));
+            p->turned = pl->map.b != 0 || pl->map.c != 0 || pl->map.a < 0 || pl->map.d < 0;
+            p->n00 = (float)(pl->map.a / scale), p->n01 = (float)(-pl->map.c / scale);
+            p->n10 = (float)(-pl->map.b / scale), p->n11 = (float)(pl->map.d / scale);
+        }
+    }
+    return TZ_OK;
+}
+
+static tz_status check_photos(tz_ctx *ctx, const tz_layout *l, const tz_image *photos, int32_t n)
+{
+    if (n != l->source.n)
+        return tz_fail(ctx, TZ_INVALID, "render: the layout has %d sources but %d were given",
+                       (int)l->source.n, (int)n);
+    for (int32_t k = 0; k < n; k++) {
+        const tz_image *p = &photos[k];
+        const tz_layout_source *s = &l->source.v[k];
+        if (p->channels != photos[0].channels)
+            return tz_fail(ctx, TZ_INVALID,
+                           "%s: has %d channels where the first source has %d; convert one",
+                           s->path ? s->path : "source", (int)p->channels,
+                           (int)photos[0].channels);
+        /* another resolution is fine, another shape is not */
+        const double sx = (double)p->width / s->width, sy = (double)p->height / s->height;
+        if (fabs(sx - sy) * (s->width > s->height ? s->width : s->height) > 1.5)
+            return tz_fail(ctx, TZ_INVALID,
+                           "%s: is %d x %d but the layout was made for %d x %d; "
+                           "resize it to the same proportions",
+                           s->path ? s->path : "source", (int)p->width, (int)p->height,
+                           (int)s->width, (int)s->height);
+    }
+    return TZ_OK;
+}
+
+tz_status tz_composer_new(tz_ctx *ctx, const tz_layout *l, const tz_image *photos, int32_t n,
+                          tz_map_kind kind, const tz_compose_params *params,
+                          tz_composer **out)
+{
+    tz_composer *c = NULL;
+    tz_status s = check_photos(ctx, l, photos, n);
+    if (s == TZ_OK && n < 1)
+        s = tz_fail(ctx, TZ_INVALID, "render: the layout names no source picture");
+    if (s != TZ_OK)
+        return s;
+    s = tz_alloc_zero(ctx, &c, 1, sizeof *c);
+    if (s != TZ_OK)
+        return s;
+    c->ctx = ctx;
+    c->layout = l;
+    if (params)
+        c->params = *params;
+    else
+        tz_params_default(&tz_compose_param_table, &c->params);
+    c->kind = kind;
+    c->channels = photos[0].channels;
+    c->alpha = photos[0].alpha;
+    c->encoding = kind == TZ_MAP_COLOUR && photos[0].encoding != TZ_ENCODING_DATA
+                      ? TZ_ENCODING_SRGB
+                      : TZ_ENCODING_DATA;
+    c->sources = n;
+    s = prepare_pieces(ctx, c);
+    bool spline = false;
+    for (int32_t k = 0; k < l->place.n; k++)
+        spline |= !l->place.v[k].removed && !c->piece[k].exact;
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &c->source, (size_t)n, sizeof *c->source);
+    for (int32_t k = 0; k < n && s == TZ_OK; k++) {
+        const tz_layout_source *src = &l->source.v[k];
+        const bool scaled = photos[k].width != src->width || photos[k].height != src->height;
+        s = tz_source_plane_init(ctx, &c->source[k], &photos[k], src->width, src->height,
+                                 c->encoding == TZ_ENCODING_DATA, spline || scaled);
+    }
+    if (s == TZ_OK) {
+        c->lanes = c->source[0].lanes;
+        c->step = c->source[0].step;
+        s = tz_piece_index_init(ctx, c, &c->index);
+    }
+    if (s == TZ_OK)
+        *out = c;
+    else
+        tz_composer_free(c);
+    return s;
+}
+
+void tz_composer_free(tz_composer *c)
+{
+    if (!c)
+        return;
+    tz_ctx *ctx = c->ctx;
+    for (int32_t k = 0; c->source && k < c->sources; k++)
+        tz_source_plane_deinit(ctx, &c->source[k]);
+    tz_free(ctx, c->source);
+    tz_free(ctx, c->piece);
+    tz_free(ctx, c->edge);
+    tz_free(ctx, c->index.first);
+    tz_free(ctx, c->index.id);
+    tz_free(ctx, c);
+}
+
+/* ---- one tile --------------------------------------------------------------------- */
+
+typedef struct work {
+    tz_correction grid[2];
+    tz_label_scratch scratch;
+    int32_t *label; /* TILE * TILE */
+    float *row;     /* TILE texels */
+    float *between; /* correction nodes of a row, interpolated down */
+} work;
+
+typedef struct job {
+    const tz_composer *c;
+    tz_rect r;
+    tz_image *out;
+    int32_t *label;
+    work *work;
+    int32_t tx, ty;
+} job;
+
+static tz_status work_init(tz_ctx *ctx, const tz_composer *c, work *w)
+{
+    tz_status s = TZ_OK;
+    if (!w->label)
+        s = tz_alloc(ctx, &w->label, (size_t)TILE * TILE, sizeof *w->label);
+    if (s == TZ_OK && !w->row)
+        s = tz_alloc(ctx, &w->row, (size_t)TILE * (size_t)c->step, sizeof *w->row);
+    if (s == TZ_OK && !w->between)
+        s = tz_alloc(ctx, &w->between, (size_t)(TILE / TZ_FINE + 32) * (size_t)c->step,
+                     sizeof *w->between);
+    return s;
+}
+
+static void work_deinit(tz_ctx *ctx, work *w)
+{
+    tz_correction_deinit(ctx, &w->grid[0]);
+    tz_correction_deinit(ctx, &w->grid[1]);
+    tz_label_scratch_deinit(ctx, &w->scratch);
+    tz_free(ctx, w->label);
+    tz_free(ctx, w->row);
+    tz_free(ctx, w->between);
+}
+
+/* Adds the correction to n texels of one placement in row y, from x on. */
+static void correct_span(const tz_composer *c, const tz_correction *g, work *w, int32_t id,
+                         int64_t x, int64_t y, int32_t n, float *texel)
+{
+    const int32_t step = c->step, nx = g->nx;
+    const int64_t ry = 2 * (y - g->y0) + 1 - TZ_FINE, rx0 = 2 * (x - g->x0) + 1 - TZ_FINE;
+    const int32_t j = (int32_t)(ry / (2 * TZ_FINE));
+    const float fy = (float)(ry - (int64_t)j * 2 * TZ_FINE) / (2 * TZ_FINE);
+    int32_t i = (int32_t)(rx0 / (2 * TZ_FINE));
+    int32_t k = 0;
+    while (k < n) {
+        const int64_t from = 2 * (x + k - g->x0) + 1 - TZ_FINE;
+        i = (int32_t)(from / (2 * TZ_FINE));
+        int32_t in_cell = (int32_t)(from - (int64_t)i * 2 * TZ_FINE); /* odd, 1 .. 2 F - 1 */
+        int32_t count = (2 * TZ_FINE - in_cell + 1) / 2;
+        if (count > n - k)
+            count = n - k;
+        const int32_t *label = g->label + (int64_t)j * nx + i;
+        float left[TZ_IMAGE_MAX_CHANNELS + 4], right[TZ_IMAGE_MAX_CHANNELS + 4];
+        const float *p, *q;
+        if (label[0] == id && label[1] == id && label[nx] == id && label[nx + 1] == id) {
+            p = w->between + (int64_t)i * step; /* the row's nodes, already interpolated */
+            q = p + step;
+        } else {
+            float v[4][TZ_IMAGE_MAX_CHANNELS + 4];
+            for (int m = 0; m < 4; m++)
+                tz_correction_node(c, g, i + (m & 1), j + (m >> 1), id, v[m]);
+            for (int32_t e = 0; e < step; e++) {
+                left[e] = v[0][e] + fy * (v[2][e] - v[0][e]);
+                right[e] = v[1][e] + fy * (v[3][e] - v[1][e]);
+            }
+            p = left, q = right;
+        }
+        for (int32_t m = 0; m < count; m++, in_cell += 2) {
+            const float fx = (float)in_cell * (1.0F / (2 * TZ_FINE));
+            float *t = texel + (int64_t)(k + m) * step;
+            for (int32_t e = 0; e < step; e++)
+                t[e] += p[e] + fx * (q[e] - p[e]);
+        }
+        k += count;
+    }
+}
+
+static void turn_normals(const tz_piece *p, float *texel, int32_t n, int32_t step)
+{
+    for (int32_t i = 0; i < n; i++, texel += step) {
+        const float nx = texel[0] - 0.5F, ny = texel[1] - 0.5F;
+        texel[0] = p->n00 * nx + p->n01 * ny + 0.5F;
+        texel[1] = p->n10 * nx + p->n11 * ny + 0.5F;
+    }
+}
+
+/* Back to unit length; data keeps the source's range. */
+static void finish(const tz_composer *c, int32_t source, float *texel, int32_t n)
+{
+    const int32_t step = c->step;
+    const tz_source_plane *s = &c->source[source];
+    if (c->kind == TZ_MAP_NORMAL && c->channels >= 3) {
+        for (int32_t i = 0; i < n; i++, texel += step) {
+            const float x = 2 * texel[0] - 1, y = 2 * texel[1] - 1, z = 2 * texel[2] - 1;
+            const float length = sqrtf((x * x + y * y) + z * z);
+            if (length > 1e-6F) {
+                texel[0] = 0.5F + 0.5F * x / length;
+                texel[1] = 0.5F + 0.5F * y / length;
+                texel[2] = 0.5F + 0.5F * z / length;
+            }
+        }
+        return;
+    }
+    const int32_t channels = c->channels < 4 ? c->channels : 4;
+    for (int32_t i = 0; i < n; i++, texel += step)
+        for (int32_t k = 0; k < channels; k++)
+            texel[k] = texel[k] < s->lo[k] ? s->lo[k] : texel[k] > s->hi[k] ? s->hi[k] : texel[k];
+}
+
+static void interpolate_down(const tz_composer *c, const tz_correction *g, int64_t y, float *out)
+{
+    const int64_t ry = 2 * (y - g->y0) + 1 - TZ_FINE;
+    const int64_t j = ry / (2 * TZ_FINE);
+    const float fy = (float)(ry - j * 2 * TZ_FINE) / (2 * TZ_FINE);
+    const int64_t n = (int64_t)g->nx * c->step;
+    const float *p = g->c + j * n, *q = p + n;
+    for (int64_t k = 0; k < n; k++)
+        out[k] = p[k] + fy * (q[k] - p[k]);
+}
+
+static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
+{
+    job *b = arg;
+    const tz_composer *c = b->c;
+    work *w = &b->work[worker];
+    if (tz_ctx_cancelled(ctx))
+        return TZ_CANCELLED;
+    tz_status s = work_init(ctx, c, w);
+    if (s != TZ_OK)
+        return s;
+    const int32_t tx = (int32_t)(index % b->tx), ty = (int32_t)(index / b->tx);
+    const tz_rect tile = tz_rect_intersect(
+        b->r, (tz_rect){b->r.x + tx * TILE, b->r.y + ty * TILE, TILE, TILE});
+    s = tz_label_grid(ctx, c, tile.x, tile.y, 1, tile.w, tile.h, w->label, &w->scratch);
+    if (s != TZ_OK)
+        return s;
+    if (b->label) {
+        for (int32_t y = 0; y < tile.h; y++)
+            memcpy(b->label + (int64_t)(tile.y - b->r.y + y) * b->r.w + (tile.x - b->r.x),
+                   w->label + (int64_t)y * tile.w, (size_t)tile.w * sizeof *b->label);
+        return TZ_OK;
+    }
+    const bool correct = c->params.clone == TZ_CLONE_SCREENED;
+    if (correct)
+        s = tz_correction_solve(ctx, c, tile, w->grid, &w->scratch);
+    if (s != TZ_OK)
+        return s;
+    const int32_t step = c->step, channels = c->channels;
+    for (int32_t y = 0; y < tile.h; y++) {
+        const int64_t ly = tile.y + y;
+        const int32_t *label = w->label + (int64_t)y * tile.w;
+        if (correct)
+            interpolate_down(c, &w->grid[1], ly, w->between);
+        float *out = tz_image_at(b->out, tile.x - b->r.x, tile.y - b->r.y + y);
+        for (int32_t x = 0; x < tile.w;) {
+            const int32_t id = label[x];
+            int32_t e = x + 1;
+            while (e < tile.w && label[e] == id)
+                e++;
+            const int32_t n = e - x;
+            float *texel = w->row + (int64_t)x * step;
+            if (id < 0) {
+                memset(texel, 0, (size_t)n * (size_t)step * sizeof *texel);
+                x = e;
+                continue;
+            }
+            const tz_piece *p = &c->piece[id];
+            /* spans of one copy on a torus: the shift changes half a turn off its centre */
+            int32_t from = 0;
+            while (from < n) {
+                int32_t to = n;
+                const int64_t lx = tile.x + x + from;
+                const tz_vec2 shift = tz_piece_shift(c, id, (double)lx + 0.5, (double)ly + 0.5);
+                if (c->layout->tile) {
+                    const double mid = 0.5 * (p->x0 + p->x1);
+                    const double limit = ceil(shift.x + mid + 0.5 * c->layout->width - 0.5);
+                    if (limit > (double)lx && limit < (double)(tile.x + x + n))
+                        to = (int32_t)(limit - (double)(tile.x + x));
+                }
+                tz_source_row(&c->source[p->source], p->inv, p->exact, lx - (int64_t)shift.x,
+                              ly - (int64_t)shift.y, to - from, texel + (int64_t)from * step);
+                from = to;
+            }
+            if (p->turned)
+                turn_normals(p, texel, n, step);
+            if (correct)
+                correct_span(c, &w->grid[1], w, id, tile.x + x, ly, n, texel);
+            finish(c, p->source, texel, n);
+            x = e;
+        }
+        if (step == channels)
+            memcpy(out, w->row, (size_t)tile.w * (size_t)step * sizeof *out);
+        else
+            for (int32_t x = 0; x < tile.w; x++)
+                for (int32_t k = 0; k < channels; k++)
+                    out[(int64_t)x * channels + k] = w->row[(int64_t)x * step + k];
+    }
+    tz_progress_add(ctx, (int64_t)tile.w * tile.h);
+    return TZ_OK;
+}
+
+static tz_status run(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image *out,
+                     int32_t *label)
+{
+    const tz_rect all = {0, 0, c->layout->width, c->layout->height};
+    const tz_rect in = tz_rect_intersect(r, all);
+    if (tz_rect_empty(r) || in.w != r.w || in.h != r.h)
+        return tz_fail(ctx, TZ_INVALID,
+                       "crop %d,%d,%d,%d does not lie inside the layout of %d x %d px",
+                       (int)r.x, (int)r.y, (int)r.w, (int)r.h, (int)all.w, (int)all.h);
+    job b = {c, r, out, label, NULL, (r.w + TILE - 1) / TILE, (r.h + TILE - 1) / TILE};
+    const int workers = tz_ctx_threads(ctx);
+    tz_status s = tz_alloc_zero(ctx, &b.work, (size_t)workers, sizeof *b.work);
+    if (s != TZ_OK)
+        return s;
+    s = tz_parallel_for(ctx, (int64_t)b.tx * b.ty, render_tile, &b);
+    for (int k = 0; k < workers; k++)
+        work_deinit(ctx, &b.work[k]);
+    tz_free(ctx, b.work);
+    return s;
+}
+
+tz_status tz_composer_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image *out)
+{
+    if (out->width != r.w || out->height != r.h || out->channels != c->channels)
+        return tz_fail(ctx, TZ_INVALID, "render: output image has another size than the crop");
+    out->encoding = c->encoding;
+    return run(ctx, c, r, out, NULL);
+}
+
+tz_status tz_composer_labels(tz_ctx *ctx, const tz_composer *c, tz_rect r, int32_t *label)
+{
+    return run(ctx, c, r, NULL, label);
+}
+
+tz_status tz_composer_stream(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image_sink *sink)
+{
+    /* strips as high as the free budget allows for twice (image and the sink's copies) */
+    int32_t rows = 4 * TILE;
+    const size_t budget = tz_ctx_memory(ctx);
+    if (budget) {
+        const size_t used = tz_ctx_memory_used(ctx);
+        const size_t free_bytes = budget > used ? budget - used : 0;
+        const size_t row = (size_t)r.w * (size_t)c->channels * sizeof(float);
+        while (rows > 64 && (size_t)rows * row > free_bytes / 4)
+            rows /= 2;
+    }
+    if (rows > r.h)
+        rows = r.h;
+    tz_image strip = {0};
+    tz_status s = tz_image_init(ctx, &strip, r.w, rows, c->channels);
+    if (s == TZ_OK) {
+        strip.alpha = c->alpha;
+        for (int32_t y = 0; y < r.h && s == TZ_OK; y += rows) {
+            const int32_t h = r.h - y < rows ? r.h - y : rows;
+            tz_image part = tz_image_view(&strip, (tz_rect){0, 0, r.w, h});
+            s = tz_composer_render(ctx, c, (tz_rect){r.x, r.y + y, r.w, h}, &part);
+            if (s == TZ_OK)
+                s = tz_image_sink_rows(sink, &part);
+        }
+    }
+    tz_image_deinit(&strip);
+    return s;
+}

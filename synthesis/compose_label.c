@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which placement shows where.
+ *
+ * Borders are scan-converted in drawing order onto any grid of points. All arithmetic is
+ * done in the layout's own coordinates, never relative to the crop, so that a point gets
+ * the same label whatever rectangle it is asked with. */
+#include <assert.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "synthesis/compose_internal.h"
+
+/* Cells of the index that a piece's box touches; on a torus ranges may leave 0..n-1. */
+static void cell_range(const tz_piece_index *ix, const tz_piece *p, int32_t margin, int32_t *i0,
+                       int32_t *i1, int32_t *j0, int32_t *j1)
+{
+    *i0 = (int32_t)floor((p->x0 - margin) / ix->cell);
+    *i1 = (int32_t)floor((p->x1 + margin) / ix->cell);
+    *j0 = (int32_t)floor((p->y0 - margin) / ix->cell);
+    *j1 = (int32_t)floor((p->y1 + margin) / ix->cell);
+}
+
+static int32_t wrap_index(int32_t i, int32_t n)
+{
+    i %= n;
+    return i < 0 ? i + n : i;
+}
+
+static int32_t clamp_index(int32_t i, int32_t n)
+{
+    return i < 0 ? 0 : i >= n ? n - 1 : i;
+}
+
+/* The cells of a torus need not divide its sides: the last column is narrower, so that
+ * wrapped pieces are entered with one cell more on every side. */
+static void for_cells(const tz_composer *c, const tz_piece_index *ix, const tz_piece *p,
+                      int32_t *count, int32_t *id, int32_t self)
+{
+    int32_t i0, i1, j0, j1;
+    const bool tile = c->layout->tile;
+    const double w = c->layout->width, h = c->layout->height;
+    const int32_t turns_x = tile ? 1 : 0;
+    for (int32_t ky = -turns_x; ky <= turns_x; ky++)
+        for (int32_t kx = -turns_x; kx <= turns_x; kx++) {
+            tz_piece q = *p;
+            /* bring the box's centre into the layout first */
+            double cx = 0.5 * (p->x0 + p->x1), cy = 0.5 * (p->y0 + p->y1);
+            double mx = tile ? -floor(cx / w) * w + kx * w : 0;
+            double my = tile ? -floor(cy / h) * h + ky * h : 0;
+            q.x0 += mx, q.x1 += mx, q.y0 += my, q.y1 += my;
+            if (q.x1 < 0 || q.y1 < 0 || q.x0 > w || q.y0 > h)
+                continue;
+            cell_range(ix, &q, 0, &i0, &i1, &j0, &j1);
+            i0 = clamp_index(i0, ix->nx), i1 = clamp_index(i1, ix->nx);
+            j0 = clamp_index(j0, ix->ny), j1 = clamp_index(j1, ix->ny);
+            for (int32_t j = j0; j <= j1; j++)
+                for (int32_t i = i0; i <= i1; i++) {
+                    int32_t at = j * ix->nx + i;
+                    if (id)
+                        id[count[at]] = self;
+                    count[at]++;
+                }
+        }
+}
+
+tz_status tz_piece_index_init(tz_ctx *ctx, const tz_composer *c, tz_piece_index *ix)
+{
+    const tz_layout *l = c->layout;
+    int32_t *at = NULL;
+    memset(ix, 0, sizeof *ix);
+    ix->cell = 64;
+    while ((int64_t)(l->width / ix->cell + 1) * (l->height / ix->cell + 1) > 4000000)
+        ix->cell *= 2;
+    ix->nx = (l->width + ix->cell - 1) / ix->cell;
+    ix->ny = (l->height + ix->cell - 1) / ix->cell;
+    const int32_t cells = ix->nx * ix->ny;
+    tz_status s = tz_alloc_zero(ctx, &ix->first, (size_t)cells + 1, sizeof *ix->first);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &at, (size_t)cells + 1, sizeof *at);
+    if (s != TZ_OK)
+        goto done;
+    for (int32_t k = 0; k < l->place.n; k++)
+        if (!l->place.v[k].removed)
+            for_cells(c, ix, &c->piece[k], at, NULL, k);
+    int64_t sum = 0;
+    for (int32_t i = 0; i < cells; i++) {
+        ix->first[i] = (int32_t)sum;
+        sum += at[i];
+        at[i] = ix->first[i];
+    }
+    if (sum > INT32_MAX) {
+        s = tz_fail(ctx, TZ_LIMIT, "layout: placements overlap too much; use fewer or smaller");
+        goto done;
+    }
+    ix->first[cells] = (int32_t)sum;
+    s = tz_alloc(ctx, &ix->id, (size_t)sum, sizeof *ix->id);
+    if (s != TZ_OK)
+        goto done;
+    for (int32_t k = 0; k < l->place.n; k++)
+        if (!l->place.v[k].removed)
+            for_cells(c, ix, &c->piece[k], at, ix->id, k);
+done:
+    tz_free(ctx, at);
+    if (s != TZ_OK) {
+        tz_free(ctx, ix->first);
+        tz_free(ctx, ix->id);
+        memset(ix, 0, sizeof *ix);
+    }
+    return s;
+}
+
+static int compare_int32(const void *a, const void *b)
+{
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Ids of pieces whose cells meet [x0, x1) x [y0, y1), sorted, each once. */
+static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0, double x1,
+                        double y1, tz_label_scratch *scratch)
+{
+    const tz_piece_index *ix = &c->index;
+    const tz_layout *l = c->layout;
+    scratch->id.n = 0;
+    int32_t i0 = (int32_t)floor(x0 / ix->cell), i1 = (int32_t)floor(x1 / ix->cell);
+    int32_t j0 = (int32_t)floor(y0 / ix->cell), j1 = (int32_t)floor(y1 / ix->cell);
+    if (l->tile) {
+        /* narrower last cells: one cell of slack a turn */
+        i1 += 1 + (int32_t)((x1 - x0) / l->width), j1 += 1 + (int32_t)((y1 - y0) / l->height);
+        i0 -= 1, j0 -= 1;
+        if (i1 - i0 >= ix->nx)
+            i0 = 0, i1 = ix->nx - 1;
+        if (j1 - j0 >= ix->ny)
+            j0 = 0, j1 = ix->ny - 1;
+    } else {
+        i0 = clamp_index(i0, ix->nx), i1 = clamp_index(i1, ix->nx);
+        j0 = clamp_index(j0, ix->ny), j1 = clamp_index(j1, ix->ny);
+    }
+    for (int32_t j = j0; j <= j1; j++)
+        for (int32_t i = i0; i <= i1; i++) {
+            const int32_t at = wrap_index(j, ix->ny) * ix->nx + wrap_index(i, ix->nx);
+            for (int32_t k = ix->first[at]; k < ix->first[at + 1]; k++) {
+                tz_status s = tz_array_push(ctx, &scratch->id, ix->id[k]);
+                if (s != TZ_OK)
+                    return s;
+            }
+        }
+    if (scratch->id.n > 1) {
+        qsort(scratch->id.v, (size_t)scratch->id.n, sizeof *scratch->id.v, compare_int32);
+        int32_t n = 1;
+        for (int32_t k = 1; k < scratch->id.n; k++)
+            if (scratch->id.v[k] != scratch->id.v[n - 1])
+                scratch->id.v[n++] = scratch->id.v[k];
+        scratch->id.n = n;
+    }
+    return TZ_OK;
+}
+
+/* Fills label where (copy of) piece `id`, moved by (mx, my), covers grid points. The grid
+ * points are numbered on the layout's own lattice: point I is at (I + 0.5) * spacing. */
+static tz_status fill(tz_ctx *ctx, const tz_composer *c, int32_t id, double mx, double my,
+                      int64_t gx0, int64_t gy0, int32_t spacing, int32_t nx, int32_t ny,
+                      int32_t *label, tz_label_scratch *scratch)
+{
+    enum { PER_ROW = 32 };
+    const tz_placement *pl = &c->layout->place.v[id];
+    const double *e = c->edge + 2 * (size_t)pl->border;
+    const tz_piece *p = &c->piece[id];
+    const double inv = 1.0 / spacing;
+    int64_t J0 = (int64_t)ceil((p->y0 + my) * inv - 0.5);
+    int64_t J1 = (int64_t)ceil((p->y1 + my) * inv - 0.5);
+    if (J0 < gy0)
+        J0 = gy0;
+    if (J1 > gy0 + ny)
+        J1 = gy0 + ny;
+    if (J0 >= J1 || (p->x1 + mx) * inv < (double)gx0 ||
+        (p->x0 + mx) * inv > (double)(gx0 + nx))
+        return TZ_OK;
+    const int32_t rows = (int32_t)(J1 - J0);
+    /* per row: a count, then up to PER_ROW crossings; more (never for stars) are rare and
+     * kept by taking a wider table */
+    int32_t per_row = PER_ROW;
+    if (pl->points < per_row)
+        per_row = pl->points;
+    else if (pl->points > 4 * PER_ROW)
+        per_row = pl->points;
+    else
+        per_row = 4 * PER_ROW < pl->points ? 4 * PER_ROW : pl->points;
+    const int32_t width = per_row + 1;
+    tz_status s = tz_array_reserve(ctx, &scratch->cross, (int64_t)rows * width);
+    if (s != TZ_OK)
+        return s;
+    double *table = scratch->cross.v;
+    for (int32_t r = 0; r < rows; r++)
+        table[(size_t)r * width] = 0;
+    for (int32_t k = 0; k < pl->points; k++) {
+        const int32_t k2 = k + 1 == pl->points ? 0 : k + 1;
+        double ax = e[2 * k] + mx, ay = e[2 * k + 1] + my;
+        double bx = e[2 * k2] + mx, by = e[2 * k2 + 1] + my;
+        if (ay > by) {
+            double t = ax;
+            ax = bx, bx = t;
+            t = ay, ay = by, by = t;
+        }
+        int64_t ra = (int64_t)ceil(ay * inv - 0.5), rb = (int64_t)ceil(by * inv - 0.5);
+        if (ra < J0)
+            ra = J0;
+        if (rb > J1)
+            rb = J1;
+        const double slope = ra < rb ? (bx - ax) / (by - ay) : 0;
+        for (int64_t J = ra; J < rb; J++) {
+            double *row = table + (size_t)(J - J0) * width;
+            const double y = ((double)J + 0.5) * spacing;
+            const double x = ax + (y - ay) * slope;
+            int32_t n = (int32_t)row[0];
+            int32_t at = n + 1;
+            while (at > 1 && row[at - 1] > x) {
+                row[at] = row[at - 1];
+                at--;
+            }
+            row[at] = x;
+            row[0] = n + 1;
+        }
+    }
+    for (int32_t r = 0; r < rows; r++) {
+        const double *row = table + (size_t)r * width;
+        const int32_t n = (int32_t)row[0];
+        int32_t *out = label + (size_t)(J0 + r - gy0) * (size_t)nx;
+        for (int32_t k = 1; k + 1 <= n; k += 2) {
+            int64_t a = (int64_t)ceil(row[k] * inv - 0.5) - gx0;
+            int64_t b = (int64_t)ceil(row[k + 1] * inv - 0.5) - gx0;
+            if (a < 0)
+                a = 0;
+            if (b > nx)
+                b = nx;
+            for (int64_t i = a; i < b; i++)
+                out[i] = id;
+        }
+    }
+    return TZ_OK;
+}
+
+tz_vec2 tz_piece_shift(const tz_composer *c, int32_t id, double px, double py)
+{
+    tz_vec2 shift = {0, 0};
+    if (c->layout->tile) {
+        const tz_piece *p = &c->piece[id];
+        const double w = c->layout->width, h = c->layout->height;
+        shift.x = floor((px - 0.5 * (p->x0 + p->x1)) / w + 0.5) * w;
+        shift.y = floor((py - 0.5 * (p->y0 + p->y1)) / h + 0.5) * h;
+    }
+    return shift;
+}
+
+/* Nearest piece to a bare point: smallest distance to its box, then to its centre. */
+static int32_t nearest(const tz_composer *c, double px, double py)
+{
+    const tz_piece_index *ix = &c->index;
+    const bool tile = c->layout->tile;
+    const int32_t ci = clamp_index((int32_t)floor(px / ix->cell), ix->nx);
+    const int32_t cj = clamp_index((int32_t)floor(py / ix->cell), ix->ny);
+    const int32_t rings = ix->nx > ix->ny ? ix->nx : ix->ny;
+    int32_t best = -1;
+    double best_box = INFINITY, best_mid = INFINITY;
+    for (int32_t ring = 0; ring <= rings; ring++) {
+        if (best >= 0 && (double)(ring - 2) * ix->cell > sqrt(best_box))
+            break;
+        for (int32_t j = cj - ring; j <= cj + ring; j++)
+            for (int32_t i = ci - ring; i <= ci + ring;
+                 i += (j == cj - ring || j == cj + ring || ring == 0) ? 1 : 2 * ring) {
+                int32_t ii = i, jj = j;
+                if (tile) {
+                    ii = wrap_index(i, ix->nx), jj = wrap_index(j, ix->ny);
+                } else if (i < 0 || j < 0 || i >= ix->nx || j >= ix->ny) {
+                    continue;
+                }
+                const int32_t at = jj * ix->nx + ii;
+                for (int32_t k = ix->first[at]; k < ix->first[at + 1]; k++) {
+                    const int32_t id = ix->id[k];
+                    const tz_piece *p = &c->piece[id];
+                    const tz_vec2 m = tz_piece_shift(c, id, px, py);
+                    const double x = px - m.x, y = py - m.y;
+                    const double dx = x < p->x0 ? p->x0 - x : x > p->x1 ? x - p->x1 : 0;
+                    const double dy = y < p->y0 ? p->y0 - y : y > p->y1 ? y - p->y1 : 0;
+                    const double box = dx * dx + dy * dy;
+                    const double ex = x - 0.5 * (p->x0 + p->x1);
+                    const double ey = y - 0.5 * (p->y0 + p->y1);
+                    const double mid = ex * ex + ey * ey;
+                    if (box < best_box ||
+                        (box == best_box &&
+                         (mid < best_mid || (mid == best_mid && id > best))))
+                        best = id, best_box = box, best_mid = mid;
+                }
+            }
+    }
+    return best;
+}
+
+tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y0,
+                        int32_t spacing, int32_t nx, int32_t ny, int32_t *label,
+                        tz_label_scratch *scratch)
+{
+    const tz_layout *l = c->layout;
+    assert(x0 % spacing == 0 && y0 % spacing == 0);
+    const int64_t gx0 = x0 / spacing, gy0 = y0 / spacing;
+    for (int64_t i = 0; i < (int64_t)nx * ny; i++)
+        label[i] = -1;
+    /* outside a plain layout points repeat the nearest inside point */
+    int64_t a = 0, b = nx, d = 0, e = ny;
+    if (!l->tile) {
+        const int64_t last_x = (l->width - 1) / spacing, last_y = (l->height - 1) / spacing;
+        a = gx0 < 0 ? -gx0 : 0;
+        d = gy0 < 0 ? -gy0 : 0;
+        b = gx0 + nx > last_x + 1 ? last_x + 1 - gx0 : nx;
+        e = gy0 + ny > last_y + 1 ? last_y + 1 - gy0 : ny;
+    }
+    tz_status s = gather(ctx, c, (double)(x0 + a * spacing), (double)(y0 + d * spacing),
+                         (double)(x0 + b * spacing), (double)(y0 + e * spacing), scratch);
+    for (int32_t k = 0; s == TZ_OK && k < scratch->id.n; k++) {
+        const int32_t id = scratch->id.v[k];
+        if (!l->tile) {
+            s = fill(ctx, c, id, 0, 0, gx0, gy0, spacing, nx, ny, label, scratch);
+            continue;
+        }
+        const tz_piece *p = &c->piece[id];
+        const double w = l->width, h = l->height;
+        const double kx0 = floor(((double)x0 - p->x1) / w),
+                     kx1 = ceil(((double)(x0 + (int64_t)nx * spacing) - p->x0) / w);
+        const double ky0 = floor(((double)y0 - p->y1) / h),
+                     ky1 = ceil(((double)(y0 + (int64_t)ny * spacing) - p->y0) / h);
+        for (double ky = ky0; ky <= ky1 && s == TZ_OK; ky++)
+            for (double kx = kx0; kx <= kx1 && s == TZ_OK; kx++)
+                s = fill(ctx, c, id, kx * w, ky * h, gx0, gy0, spacing, nx, ny, label,
+                         scratch);
+    }
+    if (s != TZ_OK)
+        return s;
+    for (int64_t j = d; j < e; j++)
+        for (int64_t i = a; i < b; i++)
+            if (label[j * nx + i] < 0) {
+                double px = ((double)(gx0 + i) + 0.5) * spacing;
+                double py = ((double)(gy0 + j) + 0.5) * spacing;
+                if (l->tile) {
+                    px -= floor(px / l->width) * l->width;
+                    py -= floor(py / l->height) * l->height;
+                }
+                label[j * nx + i] = nearest(c, px, py);
+            }
+    if (a > 0 || b < nx)
+        for (int64_t j = d; j < e; j++) {
+            int32_t *row = label + j * nx;
+            for (int64_t i = 0; i < a && i < nx; i++)
+                row[i] = row[a < nx ? a : nx - 1];
+            for (int64_t i = b < 0 ? 0 : b; i < nx; i++)
+                row[i] = row[b > 0 ? b - 1 : 0];
+        }
+    for (int64_t j = 0; j < d && d < ny; j++)
+        memcpy(label + j * nx, label + d * nx, (size_t)nx * sizeof *label);
+    for (int64_t j = e; j < ny && e > 0; j++)
+        memcpy(label + j * nx, label + (e - 1) * nx, (size_t)nx * sizeof *label);
+    return TZ_OK;
+}
+
+void tz_label_scratch_deinit(tz_ctx *ctx, tz_label_scratch *s)
+{
+    tz_array_free(ctx, &s->id);
+    tz_array_free(ctx, &s->cross);
+}
