@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Parts of the arrangement: features, prepared groups, canvas, seams. Private. */
+#ifndef TZ_SYNTHESIS_ARRANGE_INTERNAL_H
+#define TZ_SYNTHESIS_ARRANGE_INTERNAL_H
+
+#include "base/rng.h"
+#include "elements/domain.h"
+#include "elements/neighbourhood.h"
+#include "synthesis/arrange.h"
+
+/* ---- features --------------------------------------------------------------------- */
+
+/** Eight bytes a pixel, all unchanged by rotation, scaled so that a byte's difference
+ * means about as much in each channel. */
+enum {
+    TZ_FEATURE_L,      /**< lightness, mean of 4 px */
+    TZ_FEATURE_A,      /**< colour */
+    TZ_FEATURE_B,
+    TZ_FEATURE_FINE,   /**< lightness at the pixel */
+    TZ_FEATURE_BUSY,   /**< mean gradient magnitude */
+    TZ_FEATURE_LINE,   /**< lightness against its surroundings of 16 px: joints, cracks */
+    TZ_FEATURE_EDGE,   /**< closeness to an edge of the EBPT */
+    TZ_FEATURE_REGION, /**< lightness, mean of 24 px */
+    TZ_FEATURES
+};
+
+typedef struct tz_feature {
+    uint8_t v[TZ_FEATURES];
+} tz_feature;
+
+/** Means and deviations that several exemplars share, so that they can be compared. */
+typedef struct tz_feature_scale {
+    double mean[TZ_FEATURES], gain[TZ_FEATURES];
+} tz_feature_scale;
+
+typedef struct tz_feature_map {
+    int32_t width, height;
+    tz_feature *v; /**< width * height */
+} tz_feature_map;
+
+/** Features of n exemplars on one scale. */
+tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
+                               tz_feature_map *out);
+
+/* ---- groups ----------------------------------------------------------------------- */
+
+enum { TZ_RAYS = 64, TZ_RINGS = 24, TZ_SIMILAR = 6 };
+
+/** Edge group made ready for placing: a star about the region's centre. */
+typedef struct tz_star {
+    int32_t exemplar, group;
+    tz_vec2 centre;           /**< source px */
+    float radius[TZ_RAYS];    /**< hull of region and edges, at least the piece size */
+    float limit[TZ_RAYS];     /**< farthest that a seam may run */
+    float mean_radius, size;
+    int32_t neighbours;       /**< as the exemplar surrounds it */
+    tz_neighbour neighbour[TZ_NEIGHBOURS_MAX];
+    int32_t similar[TZ_SIMILAR]; /**< stars with the most similar neighbourhoods, -1 */
+} tz_star;
+
+/** What the exemplar's own statistics allow. */
+typedef struct tz_freedom {
+    double rotation; /**< rad either way; pi = any */
+    bool mirror_x, mirror_y;
+} tz_freedom;
+
+typedef struct tz_stars {
+    TZ_ARRAY(tz_star) star;
+    int32_t *of_group[64];  /**< per exemplar: group -> star index or -1 */
+    int32_t *first;         /**< exemplar e owns stars first[e] .. first[e + 1] - 1 */
+    double reach;           /**< largest limit, px */
+} tz_stars;
+
+tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double piece,
+                        tz_stars *s);
+void tz_stars_deinit(tz_ctx *ctx, tz_stars *s, int32_t n);
+tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f);
+
+/* ---- canvas ----------------------------------------------------------------------- */
+
+/** Layout at one cell a TZ_CELL px: features of what is shown, and by which piece. */
+#define TZ_CELL 4
+typedef struct tz_canvas {
+    int32_t nx, ny;      /**< cells of the layout */
+    int32_t ring;        /**< rows held; row j is at j % ring */
+    bool torus;
+    tz_feature *feature;
+    int32_t *label;      /**< piece key, -1 = void */
+} tz_canvas;
+
+static inline int64_t tz_canvas_at(const tz_canvas *c, int32_t i, int32_t j)
+{
+    if (c->torus) {
+        i %= c->nx, i += i < 0 ? c->nx : 0;
+        j %= c->ny, j += j < 0 ? c->ny : 0;
+    } else if (i < 0 || j < 0 || i >= c->nx || j >= c->ny) {
+        return -1;
+    }
+    return (int64_t)(j % c->ring) * c->nx + i;
+}
+
+/** Placed piece while growing. */
+typedef struct tz_grown {
+    int32_t star;
+    tz_affine map, inv;
+    tz_vec2 centre;         /**< layout px */
+    float radius[TZ_RAYS];  /**< its border, source px from the star's centre */
+} tz_grown;
+
+static inline const tz_feature *tz_feature_at(const tz_feature_map *f, double x, double y)
+{
+    int32_t i = (int32_t)x, j = (int32_t)y;
+    i = i < 0 ? 0 : i >= f->width ? f->width - 1 : i;
+    j = j < 0 ? 0 : j >= f->height ? f->height - 1 : j;
+    return &f->v[(int64_t)j * f->width + i];
+}
+
+/** Sum of absolute differences of two features, 0 .. 2040. */
+static inline int32_t tz_feature_distance(const tz_feature *a, const tz_feature *b)
+{
+    int32_t s = 0;
+    for (int k = 0; k < TZ_FEATURES; k++) {
+        const int32_t d = (int32_t)a->v[k] - (int32_t)b->v[k];
+        s += d < 0 ? -d : d;
+    }
+    return s;
+}
+
+/* ---- seam ------------------------------------------------------------------------- */
+
+/** Best closed border of a star at `map` over the canvas: dynamic programming over
+ * rays x rings.
+ * @param[out] radius  TZ_RAYS radii in source px
+ * @return mean mismatch along the part of the seam that meets filled cells, 0 if none */
+double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
+                    tz_affine map, float radius[TZ_RAYS]);
+
+/** Writes a piece into the canvas. @return cells newly filled */
+int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
+                       const tz_grown *g, int32_t key);
+
+#endif
