@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Layout: placements in one array in drawing order, their borders in one pool. Appending is
- * amortised O(1) in placements and O(n) in border points; nothing is linked, so that a
+ * Layout: placements in one array in drawing order, their borders in one pool. Appending
+ * is amortised O(1) in placements and O(n) in border points; nothing is linked, so that a
  * layout of some hundred thousand pieces stays a few dozen megabytes in three blocks. */
 #include "synthesis/layout.h"
 
 #include <string.h>
 
-/* Boxes are clamped to this, far outside of any layout, so that int32 sums cannot wrap. */
+/* Boxes are clamped to this, far outside of any layout, so that int32 sums cannot wrap.
+ */
 #define TZ_BOX_LIMIT 500000000.0
 
 tz_status tz_layout_init(tz_ctx *ctx, tz_layout *l, int32_t width, int32_t height,
                          bool tile)
 {
-    if (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE || height > TZ_IMAGE_MAX_SIDE)
+    if (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE ||
+        height > TZ_IMAGE_MAX_SIDE)
         return tz_fail(ctx, TZ_INVALID,
                        "layout of %d x %d px: each side must be from 1 to %d px", width,
                        height, TZ_IMAGE_MAX_SIDE);
@@ -23,7 +25,8 @@ tz_status tz_layout_init(tz_ctx *ctx, tz_layout *l, int32_t width, int32_t heigh
 
 void tz_layout_deinit(tz_layout *l)
 {
-    for (int32_t i = 0; i < l->source.n; i++) tz_free(l->ctx, l->source.v[i].path);
+    for (int32_t i = 0; i < l->source.n; i++)
+        tz_free(l->ctx, l->source.v[i].path);
     tz_array_free(l->ctx, &l->source);
     tz_array_free(l->ctx, &l->place);
     tz_array_free(l->ctx, &l->border);
@@ -36,10 +39,11 @@ tz_status tz_layout_add_source(tz_layout *l, const char *path, const char *sha25
 {
     if (!path || !*path)
         return tz_fail(l->ctx, TZ_INVALID, "layout source without a path: name its file");
-    if (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE || height > TZ_IMAGE_MAX_SIDE)
+    if (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE ||
+        height > TZ_IMAGE_MAX_SIDE)
         return tz_fail(l->ctx, TZ_INVALID,
-                       "%s: source of %d x %d px: each side must be from 1 to %d px", path,
-                       width, height, TZ_IMAGE_MAX_SIDE);
+                       "%s: source of %d x %d px: each side must be from 1 to %d px",
+                       path, width, height, TZ_IMAGE_MAX_SIDE);
     tz_layout_source s = {.width = width, .height = height};
     if (sha256) {
         size_t n = strlen(sha256);
@@ -49,9 +53,12 @@ tz_status tz_layout_add_source(tz_layout *l, const char *path, const char *sha25
         memcpy(s.sha256, sha256, n + 1);
     }
     tz_status st = tz_array_reserve(l->ctx, &l->source, (int64_t)l->source.n + 1);
-    if (!st) st = tz_strdup(l->ctx, path, &s.path);
-    if (st) return st;
-    if (id) *id = l->source.n;
+    if (!st)
+        st = tz_strdup(l->ctx, path, &s.path);
+    if (st)
+        return st;
+    if (id)
+        *id = l->source.n;
     l->source.v[l->source.n++] = s;
     return TZ_OK;
 }
@@ -63,29 +70,37 @@ tz_status tz_layout_add(tz_layout *l, int32_t source, int32_t group, tz_affine m
         return tz_fail(l->ctx, TZ_INVALID, "placement of source %d: the layout has %d",
                        source, l->source.n);
     if (n < 3)
-        return tz_fail(l->ctx, TZ_INVALID, "placement with %d border points: 3 are needed",
-                       n);
+        return tz_fail(l->ctx, TZ_INVALID,
+                       "placement with %d border points: 3 are needed", n);
     tz_affine inverse;
     if (!tz_affine_invert(map, &inverse))
         return tz_fail(l->ctx, TZ_INVALID, "placement whose map cannot be inverted");
     for (int32_t i = 0; i < n; i++)
         if (!isfinite(border[i].x) || !isfinite(border[i].y))
-            return tz_fail(l->ctx, TZ_INVALID, "placement with a border point not finite");
+            return tz_fail(l->ctx, TZ_INVALID,
+                           "placement with a border point not finite");
     tz_status st = tz_array_reserve(l->ctx, &l->place, (int64_t)l->place.n + 1);
-    if (st) return st;
+    if (st)
+        return st;
     /* the caller's points may lie in our own pool, which moves when it grows */
     ptrdiff_t own = -1;
     if (l->border.v && border >= l->border.v && border < l->border.v + l->border.n)
         own = border - l->border.v;
     st = tz_array_reserve(l->ctx, &l->border, (int64_t)l->border.n + n);
-    if (st) return st;
-    if (own >= 0) border = l->border.v + own;
-    tz_placement p = {.map = map, .source = source, .group = group,
-                      .border = l->border.n, .points = n,
+    if (st)
+        return st;
+    if (own >= 0)
+        border = l->border.v + own;
+    tz_placement p = {.map = map,
+                      .source = source,
+                      .group = group,
+                      .border = l->border.n,
+                      .points = n,
                       .medium = TZ_MEDIUM_EDGE_GROUP};
     memcpy(l->border.v + l->border.n, border, (size_t)n * sizeof *border);
     l->border.n += n;
-    if (id) *id = l->place.n;
+    if (id)
+        *id = l->place.n;
     l->place.v[l->place.n++] = p;
     return TZ_OK;
 }
@@ -128,8 +143,8 @@ static bool covers(const tz_layout *l, const tz_placement *p, double x, double y
 {
     const tz_point *b = l->border.v + p->border;
     bool in = false;
-    tz_vec2 u = tz_affine_apply(p->map,
-                                (tz_vec2){b[p->points - 1].x, b[p->points - 1].y});
+    tz_vec2 u =
+        tz_affine_apply(p->map, (tz_vec2){b[p->points - 1].x, b[p->points - 1].y});
     for (int32_t i = 0; i < p->points; i++) {
         tz_vec2 v = tz_affine_apply(p->map, (tz_vec2){b[i].x, b[i].y});
         if ((u.y > y) != (v.y > y) && x < (v.x - u.x) * (y - u.y) / (v.y - u.y) + u.x)
@@ -142,7 +157,8 @@ static bool covers(const tz_layout *l, const tz_placement *p, double x, double y
 int32_t tz_layout_at(const tz_layout *l, tz_vec2 p)
 {
     double w = l->width, h = l->height;
-    if (!isfinite(p.x) || !isfinite(p.y)) return -1;
+    if (!isfinite(p.x) || !isfinite(p.y))
+        return -1;
     if (l->tile) {
         p.x -= floor(p.x / w) * w;
         p.y -= floor(p.y / h) * h;
@@ -151,7 +167,8 @@ int32_t tz_layout_at(const tz_layout *l, tz_vec2 p)
     }
     for (int32_t id = l->place.n - 1; id >= 0; id--) {
         const tz_placement *q = &l->place.v[id];
-        if (q->removed) continue;
+        if (q->removed)
+            continue;
         double lo[2], hi[2];
         bounds(l, q, lo, hi);
         if (!l->tile) {
@@ -163,10 +180,12 @@ int32_t tz_layout_at(const tz_layout *l, tz_vec2 p)
         /* every copy p + (i w, j h) of the point that falls into the box */
         double i0 = ceil((lo[0] - p.x) / w), i1 = floor((hi[0] - p.x) / w);
         double j0 = ceil((lo[1] - p.y) / h), j1 = floor((hi[1] - p.y) / h);
-        if (!((i1 - i0 + 1) * (j1 - j0 + 1) <= 4096)) continue; /* absurdly large */
+        if (!((i1 - i0 + 1) * (j1 - j0 + 1) <= 4096))
+            continue; /* absurdly large */
         for (double j = j0; j <= j1; j++)
             for (double i = i0; i <= i1; i++)
-                if (covers(l, q, p.x + i * w, p.y + j * h)) return id;
+                if (covers(l, q, p.x + i * w, p.y + j * h))
+                    return id;
     }
     return -1;
 }
@@ -175,17 +194,20 @@ tz_status tz_layout_compact(tz_layout *l)
 {
     int64_t points = 0;
     for (int32_t i = 0; i < l->place.n; i++)
-        if (!l->place.v[i].removed) points += l->place.v[i].points;
-    /* placements may share border points; then the pool may be smaller than the sum, and is
-     * left as it is unless that saves anything */
+        if (!l->place.v[i].removed)
+            points += l->place.v[i].points;
+    /* placements may share border points; then the pool may be smaller than the sum, and
+     * is left as it is unless that saves anything */
     if (points < l->border.n) {
         tz_point *pool = NULL;
         tz_status st = tz_alloc(l->ctx, &pool, (size_t)points, sizeof *pool);
-        if (st) return st;
+        if (st)
+            return st;
         int32_t n = 0;
         for (int32_t i = 0; i < l->place.n; i++) {
             tz_placement *p = &l->place.v[i];
-            if (p->removed) continue;
+            if (p->removed)
+                continue;
             memcpy(pool + n, l->border.v + p->border, (size_t)p->points * sizeof *pool);
             p->border = n;
             n += p->points;
@@ -196,7 +218,8 @@ tz_status tz_layout_compact(tz_layout *l)
     }
     int32_t n = 0;
     for (int32_t i = 0; i < l->place.n; i++)
-        if (!l->place.v[i].removed) l->place.v[n++] = l->place.v[i];
+        if (!l->place.v[i].removed)
+            l->place.v[n++] = l->place.v[i];
     l->place.n = n;
     return TZ_OK;
 }

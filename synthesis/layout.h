@@ -13,7 +13,8 @@ typedef enum tz_medium { TZ_MEDIUM_EDGE_GROUP, TZ_MEDIUM_ELEMENT, TZ_MEDIUM_CURV
 
 /** A photo (or drawing) that placements take their pixels from. */
 typedef struct tz_layout_source {
-    char *path;         /**< as written in the document; resolved against its folder */
+    char *path;         /**< as this program opens it: relative to the working folder, or
+                             absolute; the document holds it relative to itself */
     char sha256[65];    /**< of the file, "" = unknown */
     int32_t width, height;
 } tz_layout_source;
@@ -71,6 +72,10 @@ TZ_API tz_status tz_layout_write(tz_ctx *ctx, const char *path, const tz_layout 
  * multiplied, order is drawing order, hidden or deleted placements are gone.
  * @return TZ_OK; TZ_IO; TZ_FORMAT with line and fault; TZ_LIMIT; TZ_NOMEM */
 TZ_API tz_status tz_layout_read(tz_ctx *ctx, const char *path, tz_layout *l);
+/** The same from text in memory; `name` stands in messages, and photos are found from its
+ * folder. */
+TZ_API tz_status tz_layout_parse(tz_ctx *ctx, const char *name, const char *text,
+                                 size_t size, tz_layout *l);
 
 /* ---- editing, with undo --------------------------------------------------------- */
 

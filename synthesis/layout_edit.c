@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Hand placement with undo. An edit changes one placement, and a placement's whole state
- * but its border never grows, so the journal keeps the state before and after and one rule
- * serves undo and redo of every kind of edit: placing is "removed -> there", removing is
- * "there -> removed". Slots and their borders stay when an edit is undone, so ids hold for
- * the journal's life.
+ * but its border never grows, so the journal keeps the state before and after and one
+ * rule serves undo and redo of every kind of edit: placing is "removed -> there",
+ * removing is "there -> removed". Slots and their borders stay when an edit is undone, so
+ * ids hold for the journal's life.
  *
  * What an edit may change on the screen is where the placement showed before and where it
  * shows after, hence the union of the two boxes; the compositor's correction reaches
@@ -19,7 +19,8 @@ typedef struct record {
 
 struct tz_layout_edit {
     tz_layout *l;
-    TZ_ARRAY(record) done; /* v[0 .. now - 1] can be undone, v[now .. n - 1] redone */
+    TZ_ARRAY(record)
+    done; /* v[0 .. now - 1] can be undone, v[now .. n - 1] redone */
     int32_t now;
 };
 
@@ -27,7 +28,8 @@ tz_status tz_layout_edit_new(tz_layout *l, tz_layout_edit **out)
 {
     tz_layout_edit *e = NULL;
     tz_status st = tz_alloc_zero(l->ctx, &e, 1, sizeof *e);
-    if (st) return st;
+    if (st)
+        return st;
     e->l = l;
     *out = e;
     return TZ_OK;
@@ -35,7 +37,8 @@ tz_status tz_layout_edit_new(tz_layout *l, tz_layout_edit **out)
 
 void tz_layout_edit_free(tz_layout_edit *e)
 {
-    if (!e) return;
+    if (!e)
+        return;
     tz_ctx *ctx = e->l->ctx;
     tz_array_free(ctx, &e->done);
     tz_free(ctx, e);
@@ -48,8 +51,10 @@ bool tz_layout_edit_can_redo(const tz_layout_edit *e) { return e->now < e->done.
 
 static tz_rect join(tz_rect p, tz_rect q)
 {
-    if (tz_rect_empty(p)) return q;
-    if (tz_rect_empty(q)) return p;
+    if (tz_rect_empty(p))
+        return q;
+    if (tz_rect_empty(q))
+        return p;
     int32_t x0 = p.x < q.x ? p.x : q.x, y0 = p.y < q.y ? p.y : q.y;
     int32_t x1 = p.x + p.w > q.x + q.w ? p.x + p.w : q.x + q.w;
     int32_t y1 = p.y + p.h > q.y + q.h ? p.y + p.h : q.y + q.h;
@@ -60,10 +65,12 @@ static tz_rect join(tz_rect p, tz_rect q)
 static tz_rect shown(const tz_layout *l, int32_t id)
 {
     tz_rect all = {0, 0, l->width, l->height};
-    if (l->place.v[id].removed) return (tz_rect){0};
+    if (l->place.v[id].removed)
+        return (tz_rect){0};
     tz_rect box = tz_layout_box(l, id);
     tz_rect in = tz_rect_intersect(box, all);
-    if (l->tile && (in.w != box.w || in.h != box.h)) return all;
+    if (l->tile && (in.w != box.w || in.h != box.h))
+        return all;
     return in;
 }
 
@@ -81,7 +88,8 @@ static void set(tz_layout *l, int32_t id, const tz_placement *state, tz_rect *di
 static tz_status apply(tz_layout_edit *e, record r, tz_rect *dirty)
 {
     tz_status st = tz_array_reserve(e->l->ctx, &e->done, (int64_t)e->now + 1);
-    if (st) return st;
+    if (st)
+        return st;
     e->done.v[e->now++] = r;
     e->done.n = e->now;
     set(e->l, r.id, &r.after, dirty);
@@ -96,7 +104,8 @@ static tz_status begin(const tz_layout_edit *e, int32_t id, record *r)
         return tz_fail(l->ctx, TZ_INVALID, "no placement %d: the layout has 0 to %d", id,
                        l->place.n - 1);
     if (l->place.v[id].removed)
-        return tz_fail(l->ctx, TZ_INVALID, "placement %d was removed: undo that first", id);
+        return tz_fail(l->ctx, TZ_INVALID, "placement %d was removed: undo that first",
+                       id);
     *r = (record){.id = id, .before = l->place.v[id], .after = l->place.v[id]};
     r->after.fixed = 1;
     return TZ_OK;
@@ -109,7 +118,8 @@ tz_status tz_layout_edit_place(tz_layout_edit *e, int32_t source, int32_t group,
     tz_layout *l = e->l;
     int32_t at, points = l->border.n;
     tz_status st = tz_layout_add(l, source, group, map, border, n, &at);
-    if (st) return st;
+    if (st)
+        return st;
     record r = {.id = at, .before = l->place.v[at], .after = l->place.v[at]};
     r.before.removed = 1;
     r.before.fixed = r.after.fixed = 1;
@@ -120,7 +130,8 @@ tz_status tz_layout_edit_place(tz_layout_edit *e, int32_t source, int32_t group,
         l->border.n = points;
         return st;
     }
-    if (id) *id = at;
+    if (id)
+        *id = at;
     return TZ_OK;
 }
 
@@ -129,10 +140,11 @@ tz_status tz_layout_edit_map(tz_layout_edit *e, int32_t id, tz_affine map, tz_re
     record r;
     tz_affine inverse;
     tz_status st = begin(e, id, &r);
-    if (st) return st;
+    if (st)
+        return st;
     if (!tz_affine_invert(map, &inverse))
-        return tz_fail(e->l->ctx, TZ_INVALID, "placement %d: its new map cannot be inverted",
-                       id);
+        return tz_fail(e->l->ctx, TZ_INVALID,
+                       "placement %d: its new map cannot be inverted", id);
     r.after.map = map;
     return apply(e, r, dirty);
 }
@@ -141,7 +153,8 @@ tz_status tz_layout_edit_move(tz_layout_edit *e, int32_t id, tz_vec2 by, tz_rect
 {
     record r;
     tz_status st = begin(e, id, &r);
-    if (st) return st;
+    if (st)
+        return st;
     tz_affine map = r.before.map;
     map.e += by.x;
     map.f += by.y;
@@ -153,7 +166,8 @@ static tz_status about_centre(tz_layout_edit *e, int32_t id, tz_affine q, tz_rec
 {
     record r;
     tz_status st = begin(e, id, &r);
-    if (st) return st;
+    if (st)
+        return st;
     const tz_point *b = e->l->border.v + r.before.border;
     tz_vec2 c = {0, 0};
     for (int32_t i = 0; i < r.before.points; i++) {
@@ -167,13 +181,15 @@ static tz_status about_centre(tz_layout_edit *e, int32_t id, tz_affine q, tz_rec
     return tz_layout_edit_map(e, id, tz_affine_then(r.before.map, q), dirty);
 }
 
-tz_status tz_layout_edit_rotate(tz_layout_edit *e, int32_t id, double angle, tz_rect *dirty)
+tz_status tz_layout_edit_rotate(tz_layout_edit *e, int32_t id, double angle,
+                                tz_rect *dirty)
 {
     double c = cos(angle), s = sin(angle);
     return about_centre(e, id, (tz_affine){c, s, -s, c, 0, 0}, dirty);
 }
 
-tz_status tz_layout_edit_scale(tz_layout_edit *e, int32_t id, double factor, tz_rect *dirty)
+tz_status tz_layout_edit_scale(tz_layout_edit *e, int32_t id, double factor,
+                               tz_rect *dirty)
 {
     return about_centre(e, id, (tz_affine){factor, 0, 0, factor, 0, 0}, dirty);
 }
@@ -182,7 +198,8 @@ tz_status tz_layout_edit_remove(tz_layout_edit *e, int32_t id, tz_rect *dirty)
 {
     record r;
     tz_status st = begin(e, id, &r);
-    if (st) return st;
+    if (st)
+        return st;
     r.after.removed = 1;
     return apply(e, r, dirty);
 }

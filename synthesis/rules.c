@@ -4,11 +4,11 @@
  *
  * A feathered border is one method for polygons and masks alike: the point is first moved
  * by a random offset from the disc of diameter `feather`, then tested against the hard
- * shape. A point at signed distance d from a straight border is then inside with the share
- * of the disc that lies beyond it, which runs smoothly from 0 at -feather/2 to 1 at
+ * shape. A point at signed distance d from a straight border is then inside with the
+ * share of the disc that lies beyond it, which runs smoothly from 0 at -feather/2 to 1 at
  * +feather/2. One number u is enough for the two-dimensional offset: a Fermat spiral
- * (radius sqrt u, many turns) fills the disc evenly. Points are kept inside the layout, so
- * that shapes which end at its border are not thinned out there. */
+ * (radius sqrt u, many turns) fills the disc evenly. Points are kept inside the layout,
+ * so that shapes which end at its border are not thinned out there. */
 #include "synthesis/rules.h"
 
 #define SPIRAL_TURNS 1618.0339887
@@ -18,7 +18,8 @@ tz_status tz_rules_default(tz_ctx *ctx, tz_rules *r)
     tz_rule rule = tz_rule_default();
     tz_rules out = {.ctx = ctx};
     tz_status st = tz_array_push(ctx, &out.rule, rule);
-    if (!st) *r = out;
+    if (!st)
+        *r = out;
     return st;
 }
 
@@ -43,7 +44,8 @@ void tz_rules_deinit(tz_rules *r)
         tz_array_free(r->ctx, &r->rule.v[i].shape);
         tz_array_free(r->ctx, &r->rule.v[i].groups);
     }
-    for (int32_t i = 0; i < r->mask.n; i++) tz_image_deinit(&r->mask.v[i]);
+    for (int32_t i = 0; i < r->mask.n; i++)
+        tz_image_deinit(&r->mask.v[i]);
     tz_array_free(r->ctx, &r->rule);
     tz_array_free(r->ctx, &r->mask);
     *r = (tz_rules){0};
@@ -96,7 +98,8 @@ static double grey(const tz_image *im, const float *px)
 {
     int32_t n = value_channels(im);
     double sum = px[0];
-    if (n >= 3) sum = (px[0] + px[1] + px[2]) / 3.0;
+    if (n >= 3)
+        sum = (px[0] + px[1] + px[2]) / 3.0;
     return im->alpha > 0 && im->alpha < im->channels ? sum * px[im->alpha] : sum;
 }
 
@@ -105,21 +108,26 @@ static bool in_mask(const tz_image *im, double x, double y)
     const float *px[4];
     double wt[4], sum = 0;
     taps(im, x, y, px, wt);
-    for (int k = 0; k < 4; k++) sum += wt[k] * grey(im, px[k]);
+    for (int k = 0; k < 4; k++)
+        sum += wt[k] * grey(im, px[k]);
     return sum > 0.5;
 }
 
 int32_t tz_rules_at(const tz_rules *r, int32_t w, int32_t h, tz_vec2 p, double u)
 {
     double turn = 2 * TZ_PI * (u * SPIRAL_TURNS - floor(u * SPIRAL_TURNS));
-    double radius = sqrt(clamp(u, 0, 1)), dx = radius * cos(turn), dy = radius * sin(turn);
+    double radius = sqrt(clamp(u, 0, 1)), dx = radius * cos(turn),
+           dy = radius * sin(turn);
     for (int32_t i = r->rule.n - 1; i > 0; i--) {
         const tz_rule *q = &r->rule.v[i];
-        if (!q->shape.n && q->mask < 0) return i;
+        if (!q->shape.n && q->mask < 0)
+            return i;
         double x = clamp((p.x + 0.5 * q->feather * dx) / w, 0, 1 - 1e-9);
         double y = clamp((p.y + 0.5 * q->feather * dy) / h, 0, 1 - 1e-9);
-        if (q->shape.n && !in_polygon(q->shape.v, q->shape.n, x, y)) continue;
-        if (q->mask >= 0 && !in_mask(&r->mask.v[q->mask], x, y)) continue;
+        if (q->shape.n && !in_polygon(q->shape.v, q->shape.n, x, y))
+            continue;
+        if (q->mask >= 0 && !in_mask(&r->mask.v[q->mask], x, y))
+            continue;
         return i;
     }
     return 0;
@@ -128,7 +136,8 @@ int32_t tz_rules_at(const tz_rules *r, int32_t w, int32_t h, tz_vec2 p, double u
 double tz_rules_field(const tz_rules *r, int32_t rule, int32_t w, int32_t h, tz_vec2 p)
 {
     int32_t field = r->rule.v[rule].field;
-    if (field < 0) return 0;
+    if (field < 0)
+        return 0;
     const tz_image *im = &r->mask.v[field];
     bool vector = value_channels(im) >= 2;
     const float *px[4];
