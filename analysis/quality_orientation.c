@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "analysis/quality_measures.h"
+
+tz_status tz_quality_orientation(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
+{
+    (void)ctx, (void)w;
+    q->orientation = 1;
+    return TZ_OK;
+}

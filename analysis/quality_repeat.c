@@ -1,0 +1,480 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Verbatim repetition: the share of 48-px patches that occur again elsewhere.
+ *
+ * Everything happens on a band-passed lightness D = blur(L, 1.2) - blur(L, 3), so that
+ * shading, gradient-domain composition and 8-bit rounding do not hide a copy.
+ *
+ *   1. Anchors: local extrema of D. They move with the content, so that a copy at any
+ *      integer offset has its anchors at the same places of the patch.
+ *   2. Codes: 64 comparisons of D at pairs of points around the anchor [Calonder et al.
+ *      2010]. Equal 16-bit quarters of a code bring anchors together (multi-index hashing
+ *      [Norouzi et al. 2012]); those within a few bits are pairs, each votes an offset.
+ *   3. Patches on a grid: the offsets that most anchors inside voted for are tried; the
+ *      patch occurs again if the normalised cross-correlation of D with the patch at
+ *      some offset is at least NCC_COPY.
+ *
+ * Patches without structure never count: D must have contrast, and the patch must not
+ * resemble itself under a small shift (a straight edge, a fine lattice: such a thing looks
+ * the same in many places without being a copy). What the exemplar repeats of itself is
+ * taken off: (share - own) / (1 - own). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "analysis/filter_cv.h"
+#include "analysis/quality_measures.h"
+#include "base/array.h"
+#include "base/rng.h"
+
+#define SIDE TZ_QUALITY_REPEAT
+#define STEP 16           /* grid of patches tested */
+#define FAR SIDE          /* least offset: the two patches do not overlap */
+#define NCC_COPY 0.9      /* a copy */
+#define NCC_SELF 0.75     /* resembles itself SELF_SHIFT px further: no structure */
+#define SELF_SHIFT 8
+#define CONTRAST 0.3      /* least rms of D, of 100 */
+#define RADIUS 11         /* of the code's neighbourhood */
+#define EXTREMUM 2        /* radius in which an anchor is the extremum */
+#define CODE_DISTANCE 10  /* bits of 64 */
+#define WINDOW 12         /* neighbours compared in the order of codes */
+#define TRIES 8           /* offsets verified a patch */
+#define LEAST_VOTES 3     /* an anchor has up to four for an offset, one a quarter */
+
+typedef struct anchor {
+    int32_t crop, x, y;
+    uint64_t code;
+} anchor;
+
+typedef struct match {
+    int32_t from, to; /* anchors */
+} match;
+
+typedef TZ_ARRAY(anchor) anchors;
+typedef TZ_ARRAY(match) matches;
+
+typedef struct repeat_search {
+    const tz_quality_picture *p;
+    float *band[TZ_QUALITY_CROPS]; /* D */
+    anchors anchor;
+    int32_t crop_first[TZ_QUALITY_CROPS + 1]; /* anchors of a crop */
+    int32_t *row_first[TZ_QUALITY_CROPS];     /* and of its rows, h + 1 */
+    matches quarter[4];
+    int32_t *first;  /* anchor -> its matches, n + 1 */
+    int32_t *target; /* anchors matched */
+    int8_t pair[64][4];
+} repeat_search;
+
+/* ---- band ----------------------------------------------------------------------- */
+
+typedef struct band_job {
+    const tz_quality_planes *f;
+    float *wide, *out;
+} band_job;
+
+static tz_status band_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    const band_job *j = arg;
+    int32_t w = j->f->w, h = j->f->h;
+    int32_t y0 = (int32_t)i * TZ_QUALITY_BAND, y1 = tz_quality_band_end(i, h);
+    (void)worker;
+    tz_status s = tz_cv_blur(ctx, j->f->v[0], j->out, w, h, y0, y1, 1.2);
+    if (s == TZ_OK)
+        s = tz_cv_blur(ctx, j->f->v[0], j->wide, w, h, y0, y1, 3);
+    for (size_t k = (size_t)y0 * w; s == TZ_OK && k < (size_t)y1 * w; k++)
+        j->out[k] -= j->wide[k];
+    return s;
+}
+
+static tz_status make_band(tz_ctx *ctx, const tz_quality_planes *f, float **out)
+{
+    band_job j = {.f = f};
+    size_t n = (size_t)f->w * f->h;
+    tz_status s = tz_alloc(ctx, out, n, sizeof(float));
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &j.wide, n, sizeof(float));
+    j.out = *out;
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, tz_quality_bands(f->h), band_rows, &j);
+    tz_free(ctx, j.wide);
+    return s;
+}
+
+/* ---- anchors -------------------------------------------------------------------- */
+
+static void draw_pairs(repeat_search *r)
+{
+    tz_rng g = tz_rng_make(0, tz_rng_stream('b', 0, 0));
+    for (int k = 0; k < 64; k++)
+        for (int e = 0; e < 4; e++) {
+            double v = tz_rng_normal(&g) * RADIUS / 2.2;
+            v = v > RADIUS ? RADIUS : v < -RADIUS ? -RADIUS : v;
+            r->pair[k][e] = (int8_t)lround(v);
+        }
+}
+
+static uint64_t code_at(const repeat_search *r, const float *d, int32_t w)
+{
+    uint64_t code = 0;
+    for (int k = 0; k < 64; k++) {
+        const int8_t *e = r->pair[k];
+        code |= (uint64_t)(d[e[1] * w + e[0]] > d[e[3] * w + e[2]]) << k;
+    }
+    return code;
+}
+
+static bool is_extremum(const float *d, int32_t w)
+{
+    float v = *d, sign = v > 0 ? 1 : -1;
+    if (v * sign < CONTRAST)
+        return false;
+    if (sign * d[-1] >= sign * v || sign * d[1] > sign * v)
+        return false;
+    for (int32_t y = -EXTREMUM; y <= EXTREMUM; y++)
+        for (int32_t x = -EXTREMUM; x <= EXTREMUM; x++) {
+            float o = sign * d[y * w + x], m = sign * v;
+            if (o > m || (o == m && (y < 0 || (y == 0 && x < 0))))
+                return false;
+        }
+    return true;
+}
+
+typedef struct anchor_job {
+    repeat_search *r;
+    int32_t crop;
+    anchors *band;
+} anchor_job;
+
+static tz_status anchor_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    const anchor_job *j = arg;
+    const tz_quality_planes *f = &j->r->p->at[j->crop].gauss[0];
+    int32_t y0 = (int32_t)i * TZ_QUALITY_BAND, y1 = tz_quality_band_end(i, f->h);
+    tz_status s = TZ_OK;
+    (void)worker;
+    y0 = y0 < RADIUS ? RADIUS : y0;
+    y1 = y1 > f->h - RADIUS ? f->h - RADIUS : y1;
+    for (int32_t y = y0; y < y1; y++)
+        for (int32_t x = RADIUS; x < f->w - RADIUS && s == TZ_OK; x++) {
+            const float *d = j->r->band[j->crop] + (size_t)y * f->w + x;
+            if (!is_extremum(d, f->w))
+                continue;
+            anchor a = {j->crop, x, y, code_at(j->r, d, f->w)};
+            s = tz_array_push(ctx, &j->band[i], a);
+        }
+    return s;
+}
+
+/* Anchors of all crops, by crop, row and column; row_first finds those of a row. */
+static tz_status find_anchors(tz_ctx *ctx, repeat_search *r)
+{
+    tz_status s = TZ_OK;
+    for (int32_t c = 0; c < r->p->n && s == TZ_OK; c++) {
+        const tz_quality_planes *f = &r->p->at[c].gauss[0];
+        int64_t n = tz_quality_bands(f->h);
+        anchor_job j = {.r = r, .crop = c};
+        r->crop_first[c] = r->anchor.n;
+        s = make_band(ctx, f, &r->band[c]);
+        if (s == TZ_OK)
+            s = tz_alloc_zero(ctx, &j.band, (size_t)n, sizeof *j.band);
+        if (s == TZ_OK)
+            s = tz_alloc(ctx, &r->row_first[c], (size_t)f->h + 1, sizeof(int32_t));
+        if (s == TZ_OK)
+            s = tz_parallel_for(ctx, n, anchor_band, &j);
+        for (int64_t i = 0; i < n && j.band; i++) {
+            for (int32_t k = 0; k < j.band[i].n && s == TZ_OK; k++)
+                s = tz_array_push(ctx, &r->anchor, j.band[i].v[k]);
+            tz_array_free(ctx, &j.band[i]);
+        }
+        tz_free(ctx, j.band);
+        r->crop_first[c + 1] = r->anchor.n;
+        if (s != TZ_OK)
+            break;
+        int32_t at = r->crop_first[c];
+        for (int32_t y = 0; y <= f->h; y++) {
+            while (at < r->anchor.n && r->anchor.v[at].y < y)
+                at++;
+            r->row_first[c][y] = at;
+        }
+    }
+    return s;
+}
+
+/* ---- pairs ---------------------------------------------------------------------- */
+
+typedef struct coded {
+    uint64_t code;
+    int32_t id;
+} coded;
+
+static int by_code(const void *a, const void *b)
+{
+    const coded *p = a, *q = b;
+    if (p->code != q->code)
+        return p->code < q->code ? -1 : 1;
+    return p->id < q->id ? -1 : p->id > q->id;
+}
+
+/* Whether two places of the whole picture are apart by FAR at least. */
+static bool far_apart(const tz_quality_picture *p, int32_t crop_a, int32_t xa, int32_t ya,
+                      int32_t crop_b, int32_t xb, int32_t yb)
+{
+    int32_t dx = p->crop[crop_a].x + xa - p->crop[crop_b].x - xb;
+    int32_t dy = p->crop[crop_a].y + ya - p->crop[crop_b].y - yb;
+    return abs(dx) >= FAR || abs(dy) >= FAR;
+}
+
+/* Quarter k of the codes turned to the front, then neighbours in the order. */
+static tz_status match_quarter(tz_ctx *ctx, void *arg, int64_t k, int worker)
+{
+    repeat_search *r = arg;
+    int32_t n = r->anchor.n;
+    int turn = (int)k * 16;
+    coded *c;
+    (void)worker;
+    tz_status s = tz_alloc(ctx, &c, (size_t)n, sizeof *c);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t i = 0; i < n; i++) {
+        uint64_t code = r->anchor.v[i].code;
+        c[i] = (coded){turn ? code << turn | code >> (64 - turn) : code, i};
+    }
+    qsort(c, (size_t)n, sizeof *c, by_code);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++)
+        for (int32_t j = i + 1; j < n && j <= i + WINDOW && s == TZ_OK; j++) {
+            if (c[i].code >> 48 != c[j].code >> 48)
+                break;
+            if (__builtin_popcountll(c[i].code ^ c[j].code) > CODE_DISTANCE)
+                continue;
+            const anchor *a = &r->anchor.v[c[i].id], *b = &r->anchor.v[c[j].id];
+            if (!far_apart(r->p, a->crop, a->x, a->y, b->crop, b->x, b->y))
+                continue;
+            match m = {c[i].id, c[j].id};
+            s = tz_array_push(ctx, &r->quarter[k], m);
+        }
+    tz_free(ctx, c);
+    return s;
+}
+
+/* Pairs of all quarters as lists: anchor i has target[first[i] .. first[i + 1] - 1]. */
+static tz_status list_matches(tz_ctx *ctx, repeat_search *r)
+{
+    int32_t n = r->anchor.n;
+    int64_t total = 0;
+    for (int k = 0; k < 4; k++)
+        total += 2 * (int64_t)r->quarter[k].n;
+    tz_status s = tz_alloc_zero(ctx, &r->first, (size_t)n + 2, sizeof(int32_t));
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &r->target, (size_t)total, sizeof(int32_t));
+    if (s != TZ_OK)
+        return s;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int k = 0; k < 4; k++)
+            for (int32_t i = 0; i < r->quarter[k].n; i++) {
+                match m = r->quarter[k].v[i];
+                if (pass == 0) {
+                    r->first[m.from + 2]++, r->first[m.to + 2]++;
+                } else {
+                    r->target[r->first[m.from + 1]++] = m.to;
+                    r->target[r->first[m.to + 1]++] = m.from;
+                }
+            }
+        for (int32_t i = 0; i < n && pass == 0; i++)
+            r->first[i + 2] += r->first[i + 1];
+    }
+    return TZ_OK;
+}
+
+/* ---- patches -------------------------------------------------------------------- */
+
+/* Normalised cross-correlation of two patches; 0 where one has no contrast.
+ * Rows are summed in eight lanes, so that the order of sums is fixed. */
+static double correlate(const float *a, int32_t stride_a, const float *b, int32_t stride_b)
+{
+    float sa[8] = {0}, sb[8] = {0}, saa[8] = {0}, sbb[8] = {0}, sab[8] = {0};
+    for (int32_t y = 0; y < SIDE; y++, a += stride_a, b += stride_b)
+        for (int32_t x = 0; x < SIDE; x += 8)
+            for (int k = 0; k < 8; k++) {
+                float u = a[x + k], v = b[x + k];
+                sa[k] += u, sb[k] += v;
+                saa[k] += u * u, sbb[k] += v * v, sab[k] += u * v;
+            }
+    double n = SIDE * SIDE, ta = 0, tb = 0, taa = 0, tbb = 0, tab = 0;
+    for (int k = 0; k < 8; k++)
+        ta += sa[k], tb += sb[k], taa += saa[k], tbb += sbb[k], tab += sab[k];
+    taa -= ta * ta / n, tbb -= tb * tb / n, tab -= ta * tb / n;
+    double least = n * CONTRAST * CONTRAST;
+    return taa < least || tbb < least ? 0 : tab / sqrt(taa * tbb);
+}
+
+/* Whether the patch differs from itself at a small shift in every direction. */
+static bool has_structure(const float *d, int32_t w, int32_t h, int32_t x, int32_t y)
+{
+    static const int8_t shift[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
+    const float *a = d + (size_t)y * w + x;
+    for (int k = 0; k < 4; k++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            int32_t u = x + sign * shift[k][0] * SELF_SHIFT;
+            int32_t v = y + sign * shift[k][1] * SELF_SHIFT;
+            if (u < 0 || v < 0 || u > w - SIDE || v > h - SIDE)
+                continue;
+            if (correlate(a, w, d + (size_t)v * w + u, w) > NCC_SELF)
+                return false;
+        }
+    return true;
+}
+
+typedef struct vote {
+    int64_t key; /* crop, dy, dx */
+    int32_t n;
+} vote;
+
+static int by_key(const void *a, const void *b)
+{
+    const vote *p = a, *q = b;
+    return p->key < q->key ? -1 : p->key > q->key;
+}
+
+static int by_votes(const void *a, const void *b)
+{
+    const vote *p = a, *q = b;
+    return p->n != q->n ? (p->n > q->n ? -1 : 1) : by_key(a, b);
+}
+
+#define VOTES 1024
+#define KEY_BIAS ((int64_t)1 << 22)
+
+/* Offsets that the anchors inside a patch vote for, most votes first. */
+static int32_t gather_votes(const repeat_search *r, int32_t crop, int32_t x, int32_t y,
+                            vote v[VOTES])
+{
+    int32_t n = 0, m = 0;
+    for (int32_t row = y; row < y + SIDE; row++)
+        for (int32_t i = r->row_first[crop][row]; i < r->row_first[crop][row + 1]; i++) {
+            const anchor *a = &r->anchor.v[i];
+            if (a->x < x || a->x >= x + SIDE)
+                continue;
+            for (int32_t k = r->first[i]; k < r->first[i + 1] && n < VOTES; k++) {
+                const anchor *b = &r->anchor.v[r->target[k]];
+                int64_t dx = b->x - a->x + KEY_BIAS, dy = b->y - a->y + KEY_BIAS;
+                v[n++] = (vote){(int64_t)b->crop << 46 | dy << 23 | dx, 1};
+            }
+        }
+    qsort(v, (size_t)n, sizeof *v, by_key);
+    for (int32_t i = 0; i < n; i++)
+        if (m > 0 && v[m - 1].key == v[i].key)
+            v[m - 1].n++;
+        else
+            v[m++] = v[i];
+    qsort(v, (size_t)m, sizeof *v, by_votes);
+    return m;
+}
+
+typedef struct patch_job {
+    repeat_search *r;
+    int32_t crop;
+    int64_t *structured, *repeated; /* a row of patches */
+    float *heat;
+} patch_job;
+
+static bool occurs_again(const repeat_search *r, int32_t crop, int32_t x, int32_t y)
+{
+    vote v[VOTES];
+    int32_t n = gather_votes(r, crop, x, y, v), w = r->p->at[crop].gauss[0].w;
+    const float *a = r->band[crop] + (size_t)y * w + x;
+    for (int32_t i = 0; i < n && i < TRIES && v[i].n >= LEAST_VOTES; i++) {
+        int32_t to = (int32_t)(v[i].key >> 46);
+        int32_t tx = x + (int32_t)((v[i].key & (((int64_t)1 << 23) - 1)) - KEY_BIAS);
+        int32_t ty = y + (int32_t)((v[i].key >> 23 & (((int64_t)1 << 23) - 1)) - KEY_BIAS);
+        const tz_quality_planes *f = &r->p->at[to].gauss[0];
+        if (tx < 0 || ty < 0 || tx > f->w - SIDE || ty > f->h - SIDE ||
+            !far_apart(r->p, crop, x, y, to, tx, ty))
+            continue;
+        if (correlate(a, w, r->band[to] + (size_t)ty * f->w + tx, f->w) >= NCC_COPY)
+            return true;
+    }
+    return false;
+}
+
+static tz_status patch_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    const patch_job *j = arg;
+    const tz_quality_planes *f = &j->r->p->at[j->crop].gauss[0];
+    const float *d = j->r->band[j->crop];
+    int32_t y = (int32_t)i * STEP;
+    (void)ctx, (void)worker;
+    for (int32_t x = 0; x <= f->w - SIDE; x += STEP) {
+        if (correlate(d + (size_t)y * f->w + x, f->w, d + (size_t)y * f->w + x, f->w) == 0 ||
+            !has_structure(d, f->w, f->h, x, y))
+            continue;
+        j->structured[i]++;
+        if (!occurs_again(j->r, j->crop, x, y))
+            continue;
+        j->repeated[i]++;
+        for (int32_t v = 0; v < STEP && j->heat; v++)
+            for (int32_t u = 0; u < STEP; u++)
+                j->heat[(size_t)(y + v + (SIDE - STEP) / 2) * f->w + x + u +
+                        (SIDE - STEP) / 2] = 1;
+    }
+    return TZ_OK;
+}
+
+/* ---- share ---------------------------------------------------------------------- */
+
+static tz_status count_patches(tz_ctx *ctx, repeat_search *r, float *heat, double *share)
+{
+    int64_t all = 0, structured = 0, repeated = 0;
+    tz_status s = TZ_OK;
+    for (int32_t c = 0; c < r->p->n && s == TZ_OK; c++) {
+        const tz_quality_planes *f = &r->p->at[c].gauss[0];
+        if (f->w < SIDE || f->h < SIDE)
+            continue;
+        int64_t rows = (f->h - SIDE) / STEP + 1, *sum;
+        s = tz_alloc_zero(ctx, &sum, (size_t)rows * 2, sizeof *sum);
+        if (s != TZ_OK)
+            return s;
+        patch_job j = {.r = r, .crop = c, .structured = sum, .repeated = sum + rows,
+                       .heat = heat};
+        s = tz_parallel_for(ctx, rows, patch_row, &j);
+        for (int64_t i = 0; i < rows; i++)
+            structured += sum[i], repeated += sum[rows + i];
+        all += rows * ((f->w - SIDE) / STEP + 1);
+        tz_free(ctx, sum);
+    }
+    /* where hardly a patch has structure, few repeats must not pass for many */
+    double of = structured > 0.1 * (double)all ? (double)structured : 0.1 * (double)all;
+    *share = of > 0 ? (double)repeated / of : 0;
+    return s;
+}
+
+static tz_status repeated_share(tz_ctx *ctx, const tz_quality_picture *p, float *heat,
+                                double *share)
+{
+    repeat_search r = {.p = p};
+    draw_pairs(&r);
+    tz_status s = find_anchors(ctx, &r);
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, 4, match_quarter, &r);
+    if (s == TZ_OK)
+        s = list_matches(ctx, &r);
+    if (s == TZ_OK)
+        s = count_patches(ctx, &r, heat, share);
+    for (int32_t c = 0; c < TZ_QUALITY_CROPS; c++) {
+        tz_free(ctx, r.band[c]);
+        tz_free(ctx, r.row_first[c]);
+        tz_array_free(ctx, &r.quarter[c]);
+    }
+    tz_array_free(ctx, &r.anchor);
+    tz_free(ctx, r.first);
+    tz_free(ctx, r.target);
+    return s;
+}
+
+tz_status tz_quality_repetition(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
+{
+    double own = 0, share = 0;
+    tz_status s = repeated_share(ctx, w->exemplar, NULL, &own);
+    if (s == TZ_OK)
+        s = repeated_share(ctx, w->output, w->heat_repeat, &share);
+    q->repetition = share > own ? (share - own) / (1 - own) : 0;
+    return s;
+}
