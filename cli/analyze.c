@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
+#include "cli/exemplars.h"
+#include "cli/material.h"
+
+typedef struct values {
+    tz_common_params common;
+    tz_output_params output;
+    tz_ebpt_params analyze;
+} values;
+
+static tz_status run(tz_cli *cli)
+{
+    const values *v = cli->values;
+    tz_record record = {0};
+    tz_exemplars e = {0};
+    tz_path_list outputs = {0};
+    char stem[TZ_PARAM_STRING_SIZE], *path = NULL;
+    if (!*v->output.output)
+        return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
+    if (tz_path_is_svg(cli->operand[0]))
+        return tz_fail(cli->ctx, TZ_INVALID, "%s: is an exemplar already; give a photo",
+                       cli->operand[0]);
+    tz_status s = tz_exemplars_read(cli, &record, &e);
+    if (s != TZ_OK)
+        goto done;
+    const tz_image *photo = &e.v[0].photo;
+    tz_path_stem(cli->operand[0], stem, sizeof stem);
+    const tz_name_values names = {stem, "svg",        "exemplar",
+                                  0,    photo->width, photo->height};
+    if ((s = tz_name_expand(cli->ctx, v->output.output, &names, &path)) != TZ_OK)
+        goto done;
+    cli->piped = strcmp(path, "-") == 0;
+    if (cli->piped && cli->common->json)
+        s = tz_cli_usage(cli, "--json and the exemplar both want standard output");
+    else if (!cli->piped && !tz_path_is_svg(path))
+        s = tz_fail(cli->ctx, TZ_INVALID,
+                    "%s: an exemplar is an SVG document; name it .svg", path);
+    if (s != TZ_OK || (s = tz_paths_add(cli->ctx, &outputs, path)) != TZ_OK ||
+        (s = tz_outputs_check(cli->ctx, &e.input, &outputs)) != TZ_OK ||
+        (s = tz_exemplars_analyze(cli, &v->analyze, &e)) != TZ_OK)
+        goto done;
+    s = tz_exemplars_write(cli, &e, 0, path);
+done:
+    tz_free(cli->ctx, path);
+    tz_paths_free(cli->ctx, &outputs);
+    tz_exemplars_free(cli, &e);
+    tz_record_free(cli, &record);
+    return s;
+}
+
+static const tz_option_group groups[] = {
+    {&tz_common_param_table, offsetof(values, common), false},
+    {&tz_output_param_table, offsetof(values, output), false},
+    {&tz_ebpt_param_table, offsetof(values, analyze), true},
+};
+static const tz_example examples[] = {
+    {"See what a photo is made of (open the SVG in a browser):",
+     "terrazzo analyze rocks.jpg -o rocks.svg"},
+    {"More and smaller groups:",
+     "terrazzo analyze gravel.png -o gravel.svg --groups 600"},
+};
+const tz_command tz_analyze_command = {
+    .name = "analyze",
+    .operands = "PHOTO -o EXEMPLAR.svg",
+    .summary = "Finds out what a photo is made of, as an SVG exemplar.",
+    .about =
+        "Writes the photo's regions, its edges and its edge groups as one SVG document "
+        "that arrange and expand take in place of the photo. The document refers to the "
+        "photo, so keep both together.",
+    .min_operands = 1,
+    .max_operands = 1,
+    .group = groups,
+    .groups = sizeof groups / sizeof groups[0],
+    .example = examples,
+    .examples = sizeof examples / sizeof examples[0],
+    .size = sizeof(values),
+    .run = run,
+};
