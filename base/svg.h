@@ -8,6 +8,7 @@
 #include "base/array.h"
 #include "base/file.h"
 #include "base/geom.h"
+#include "base/number.h" /* tz_number_format */
 
 #define TZ_SVG_NS "http://www.w3.org/2000/svg"
 #define TZ_XLINK_NS "http://www.w3.org/1999/xlink"
@@ -88,8 +89,5 @@ TZ_API void tz_svg_end(tz_svg_writer *w);
 /** Ends all open elements, commits the file; returns the first failure. */
 TZ_API tz_status tz_svg_writer_close(tz_svg_writer *w);
 TZ_API void tz_svg_writer_abort(tz_svg_writer *w);
-
-/** Shortest decimal that strtod reads back to v; text needs 32 bytes. */
-TZ_API void tz_number_format(double v, char *text);
 
 #endif
