@@ -105,21 +105,28 @@ static tz_status find_regions(const tz_tensor *t, float *response, tz_ebpt *e, i
     tz_status s;
     tz_scale_weights(e->scale, weight);
     if ((s = tz_tensor_response(t, weight, response, NULL)) != TZ_OK) return s;
+    s = tz_scale_balance(e->ctx, response, e->width, e->height, e->scale);
+    if (s != TZ_OK) return s;
     full = tz_scale_full(response, (int64_t)e->width * e->height);
     if (full < LEAST_RESPONSE) full = LEAST_RESPONSE;
     const double share = e->params.merge > 0 ? 0.2 : 1;
-    const double step = fmax(4, share * e->scale);
+    const double step = fmax(e->params.groups > 0 ? 2 : 4, share * e->scale);
     if ((s = tz_superpixels(e->ctx, response, e->width, e->height, full, step, e->label,
                             count)) != TZ_OK)
         return s;
-    tz_region_options o = {.full = full,
-                           .scale = e->scale,
-                           .merge = e->params.merge,
-                           .wanted = e->params.groups,
-                           .longest = (int32_t)fmax(side / 3.0, LEAST_DIAMETER),
-                           .least = (int32_t)(0.25 * TZ_PI * LEAST_DIAMETER * LEAST_DIAMETER)};
-    return tz_regions_merge(e->ctx, response, t->level[0].lab, t->channels, e->width,
-                            e->height, &o, e->label, count);
+    const tz_region_picture in = {.width = e->width,
+                                  .height = e->height,
+                                  .channels = t->channels,
+                                  .response = response,
+                                  .lab = t->level[0].lab};
+    const tz_region_options o = {
+        .full = full,
+        .scale = e->scale,
+        .merge = e->params.merge,
+        .wanted = e->params.groups,
+        .longest = (int32_t)fmax(side / 3.0, LEAST_DIAMETER),
+        .least = e->params.groups > 0 ? 1 : 0.25 * TZ_PI * LEAST_DIAMETER * LEAST_DIAMETER};
+    return tz_regions_merge(e->ctx, &in, &o, e->label, count);
 }
 
 tz_status tz_ebpt_analyze(tz_ctx *ctx, const tz_image *photo, const tz_ebpt_params *params,
@@ -140,7 +147,7 @@ tz_status tz_ebpt_analyze(tz_ctx *ctx, const tz_image *photo, const tz_ebpt_para
     if ((s = tz_tensor_init(ctx, photo, &t)) != TZ_OK) goto done;
     if ((s = tz_edge_map_init(ctx, &m, photo->width, photo->height)) != TZ_OK) goto done;
     if ((s = find_edges(&t, &m, &e)) != TZ_OK) goto done;
-    if ((s = tz_scale_find(&t, &m, &e.params, &e.scale)) != TZ_OK) goto done;
+    if ((s = tz_scale_find(&t, &e.params, &e.scale)) != TZ_OK) goto done;
     if ((s = find_regions(&t, m.response, &e, &count)) != TZ_OK) goto done;
     if ((s = tz_groups_encode(&e, count)) != TZ_OK) goto done;
     if (tz_ctx_cancelled(ctx)) s = TZ_CANCELLED;

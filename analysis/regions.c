@@ -1,28 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Agglomeration on the region adjacency graph. Arc (a, b) keeps the sum of responses along
- * the common border and its length; its cost is
+/* Agglomeration on the region adjacency graph. Arc (a, b) keeps, along the common border,
+ * its length and the sums of response and lightness:
  *
- *     cost = (B + w C) * size,     B = mean response of the border / full border,
- *     C = distance of the mean colours (relative to the picture's own spread),
- *     size = sqrt(harmonic mean of the areas / area of a thing)
+ *     strength = 0.8 (B + V) + 0.3 C
+ *     B  mean response / full border, each pixel counted as a full border at most: the ends
+ *        of a border lie in the strong borders that it runs into
+ *     V  how much darker or lighter than both sides the border is (a joint, a crack)
+ *     C  distance of the mean colours       (V, C: in spreads of the picture's own colours)
  *
- * so that crumbs join before halves of things do, and things not at all. The cheapest arc
- * is merged first (binary heap; stale entries are recognised by their stamp); ties go by
- * the smaller ids. */
+ *     cost = strength^1.5 size / (contact + 1/4),
+ *     size = (harmonic mean of the areas / area of a thing)^(1/4)
+ *     contact = length of the border / shorter perimeter
+ *
+ * so that crumbs join before halves of things do, along long borders before along short
+ * ones. The cheapest arc is merged first (binary heap; stale entries are recognised by
+ * their stamp); ties go by the smaller ids. When as many regions are left as the scale of
+ * the structure asks for, only borders that are hardly there are still removed.
+ *
+ * Then joints are dissolved (joints.c): each stone gets its half of the mortar. */
 #include "analysis/regions.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "analysis/joints.h"
 #include "base/array.h"
 
-#define COLOUR 0.25
+#define WEAK 0.8   /* times merge: a border that is hardly there */
+#define STRONG 2.4 /* times merge: a border that is never removed */
 
 typedef struct arc {
     int32_t to;
     int32_t length;  /* pixel pairs on the border */
     double sum;      /* of responses there */
+    double light;    /* of lightness there */
     int32_t stamp;   /* of the heap entry that is current */
 } arc;
 
@@ -54,7 +65,7 @@ typedef struct graph {
 typedef struct border {
     uint64_t pair; /* a << 32 | b, a < b */
     int32_t length;
-    double sum;
+    double sum, light;
 } border;
 
 typedef struct border_table {
@@ -82,7 +93,8 @@ static tz_status grow_table(tz_ctx *ctx, border_table *t)
     return TZ_OK;
 }
 
-static tz_status add_border(tz_ctx *ctx, border_table *t, int32_t a, int32_t b, float r)
+static tz_status add_border(tz_ctx *ctx, border_table *t, int32_t a, int32_t b, float r,
+                            float light)
 {
     if (2 * t->used >= (int64_t)t->mask) {
         tz_status s = grow_table(ctx, t);
@@ -96,6 +108,7 @@ static tz_status add_border(tz_ctx *ctx, border_table *t, int32_t a, int32_t b, 
     }
     e->length++;
     e->sum += r;
+    e->light += light;
     return TZ_OK;
 }
 
@@ -105,32 +118,33 @@ static int by_pair(const void *p, const void *q)
     return a < b ? -1 : a > b;
 }
 
-static tz_status collect_borders(tz_ctx *ctx, const float *response, const int32_t *label,
-                                 int32_t w, int32_t h, border_table *t)
+static tz_status collect_borders(const graph *g, const tz_region_picture *in,
+                                 const int32_t *label, border_table *t)
 {
-    tz_status s = grow_table(ctx, t);
-    for (int32_t y = 0; y < h && s == TZ_OK; y++) {
-        const int32_t *l = label + (int64_t)y * w;
-        const float *r = response + (int64_t)y * w;
-        for (int32_t x = 0; x < w; x++) {
-            if (x + 1 < w && l[x] != l[x + 1]) {
-                s = add_border(ctx, t, l[x], l[x + 1], fmaxf(r[x], r[x + 1]));
-                if (s != TZ_OK) break;
-            }
-            if (y + 1 < h && l[x] != l[x + w]) {
-                s = add_border(ctx, t, l[x], l[x + w], fmaxf(r[x], r[x + w]));
-                if (s != TZ_OK) break;
+    const int32_t w = in->width, step[2] = {1, w};
+    const float full = (float)g->opt->full;
+    tz_status s = grow_table(g->ctx, t);
+    for (int32_t y = 0; y < in->height && s == TZ_OK; y++) {
+        for (int32_t x = 0; x < w && s == TZ_OK; x++) {
+            const int64_t p = (int64_t)y * w + x;
+            for (int32_t k = 0; k < 2 && s == TZ_OK; k++) {
+                if (k == 0 ? x + 1 == w : y + 1 == in->height) continue;
+                const int64_t q = p + step[k];
+                if (label[p] == label[q]) continue;
+                const float r = fmaxf(in->response[p], in->response[q]);
+                s = add_border(g->ctx, t, label[p], label[q], r < full ? r : full,
+                               0.5f * (in->lab[p] + in->lab[q]));
             }
         }
     }
     return s;
 }
 
-static tz_status build(graph *g, const float *response, const float *lab,
-                       const int32_t *label, int32_t w, int32_t h)
+static tz_status build(graph *g, const tz_region_picture *in, const int32_t *label)
 {
-    border_table t = {0};
+    const int32_t w = in->width, h = in->height;
     const size_t plane = (size_t)w * h;
+    border_table t = {0};
     tz_status s;
 
     if ((s = tz_alloc_zero(g->ctx, &g->nodes, (size_t)g->n, sizeof(node))) != TZ_OK) goto done;
@@ -143,21 +157,21 @@ static tz_status build(graph *g, const float *response, const float *lab,
             const size_t p = (size_t)y * w + x;
             node *v = &g->nodes[label[p]];
             v->area++;
-            for (int32_t c = 0; c < g->channels; c++) v->colour[c] += lab[c * plane + p];
+            for (int32_t c = 0; c < in->channels; c++) v->colour[c] += in->lab[c * plane + p];
             if (x < v->x0) v->x0 = x;
             if (y < v->y0) v->y0 = y;
             if (x >= v->x1) v->x1 = x + 1;
             if (y >= v->y1) v->y1 = y + 1;
         }
     }
-    if ((s = collect_borders(g->ctx, response, label, w, h, &t)) != TZ_OK) goto done;
+    if ((s = collect_borders(g, in, label, &t)) != TZ_OK) goto done;
     int64_t n = 0;
     for (uint64_t i = 0; i <= t.mask; i++)
         if (t.slot[i].length) t.slot[n++] = t.slot[i];
     qsort(t.slot, (size_t)n, sizeof *t.slot, by_pair);
     for (int64_t i = 0; i < n; i++) {
         const int32_t a = (int32_t)(t.slot[i].pair >> 32), b = (int32_t)t.slot[i].pair;
-        arc to_b = {.to = b, .length = t.slot[i].length, .sum = t.slot[i].sum}, to_a = to_b;
+        arc to_b = {b, t.slot[i].length, t.slot[i].sum, t.slot[i].light, 0}, to_a = to_b;
         to_a.to = a;
         g->nodes[a].perimeter += to_b.length;
         g->nodes[b].perimeter += to_b.length;
@@ -224,16 +238,25 @@ static double colour_distance(const graph *g, const node *a, const node *b)
     return sqrt(sum);
 }
 
+static double strength(const graph *g, const node *a, const node *b, const arc *e)
+{
+    const double full = g->opt->full, spread = g->spread;
+    const double border = full > 0 ? e->sum / e->length / full : 0;
+    if (spread <= 0) return 0.8 * border;
+    const double la = a->colour[0] / (double)a->area, lb = b->colour[0] / (double)b->area;
+    const double light = e->light / e->length;
+    const double line = fmax(0, fmax(fmin(la, lb) - light, light - fmax(la, lb)));
+    return 0.8 * (border + line / spread) + 0.3 * colour_distance(g, a, b) / spread;
+}
+
 static double arc_cost(const graph *g, int32_t i, int32_t j, const arc *e)
 {
     const node *a = &g->nodes[i], *b = &g->nodes[j];
-    const double border = g->opt->full > 0 ? e->sum / e->length / g->opt->full : 0;
-    const double colour = g->spread > 0 ? colour_distance(g, a, b) / g->spread : 0;
-    const double thing = 0.7 * g->opt->scale * g->opt->scale;
+    const double thing = 0.75 * g->opt->scale * g->opt->scale;
     const double areas = 2.0 * (double)a->area * (double)b->area / (double)(a->area + b->area);
     const double least = (double)(a->perimeter < b->perimeter ? a->perimeter : b->perimeter);
-    const double contact = (double)e->length / least;
-    return (border + COLOUR * colour) * pow(areas / thing, 0.5) / (0.25 + contact);
+    const double s = strength(g, a, b, e);
+    return s * sqrt(s) * sqrt(sqrt(areas / thing)) / (0.25 + e->length / least);
 }
 
 static bool too_long(const graph *g, const node *a, const node *b)
@@ -271,10 +294,12 @@ static tz_status unite(graph *g, int32_t a, int32_t b)
         if (own) {
             own->length += e.length;
             own->sum += e.sum;
+            own->light += e.light;
             *back = t->arcs.v[--t->arcs.n];
             arc *there = find_arc(t, a);
             there->length = own->length;
             there->sum = own->sum;
+            there->light = own->light;
         } else {
             if ((s = tz_array_push(g->ctx, &p->arcs, e)) != TZ_OK) return s;
             back->to = a;
@@ -310,18 +335,19 @@ static double colour_spread(const graph *g)
     return sqrt(fmax(0, square / n - mean));
 }
 
-static tz_status merge_cheapest(graph *g)
+/* Down to `wanted` regions, and if `further`, on over borders that are hardly there. */
+static tz_status merge_cheapest(graph *g, int64_t wanted, bool further)
 {
-    const int32_t wanted = g->opt->wanted > 0 ? g->opt->wanted : 1;
-    const double limit = g->opt->wanted > 0 ? INFINITY : g->opt->merge;
+    const double weak = WEAK * g->opt->merge;
+    const double strong = further ? STRONG * g->opt->merge : INFINITY;
     tz_status s = TZ_OK;
-    while (g->heap.n > 0 && g->alive > wanted) {
+    while (g->heap.n > 0 && (further || g->alive > wanted)) {
         const entry e = heap_pop(g);
-        if (g->nodes[e.a].parent != e.a || g->nodes[e.b].parent != e.b) continue;
-        const arc *p = find_arc(&g->nodes[e.a], e.b);
-        if (!p || p->stamp != e.stamp) continue;
-        if (e.cost > limit) break;
-        if (too_long(g, &g->nodes[e.a], &g->nodes[e.b])) continue;
+        node *a = &g->nodes[e.a], *b = &g->nodes[e.b];
+        if (a->parent != e.a || b->parent != e.b) continue;
+        const arc *p = find_arc(a, e.b);
+        if (!p || p->stamp != e.stamp || too_long(g, a, b)) continue;
+        if (strength(g, a, b, p) > (g->alive > wanted ? strong : weak)) continue;
         if ((s = unite(g, e.a, e.b)) != TZ_OK) break;
         if ((g->alive & 255) == 0 && tz_ctx_cancelled(g->ctx)) return TZ_CANCELLED;
     }
@@ -329,63 +355,103 @@ static tz_status merge_cheapest(graph *g)
 }
 
 /* Crumbs join the neighbour that costs least. */
-static tz_status merge_crumbs(graph *g)
+static tz_status merge_crumbs(graph *g, double least)
 {
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < g->n; i++) {
         node *v = &g->nodes[i];
-        while (v->parent == i && v->area < g->opt->least && v->arcs.n > 0) {
-            double best = INFINITY;
-            int32_t to = -1;
-            for (int32_t k = 0; k < v->arcs.n; k++) {
-                const double cost = arc_cost(g, i, v->arcs.v[k].to, &v->arcs.v[k]);
-                if (cost < best || (cost == best && v->arcs.v[k].to < to))
-                    best = cost, to = v->arcs.v[k].to;
-            }
-            g->heap.n = 0; /* costs are read off directly here */
-            if ((s = unite(g, to, i)) != TZ_OK) return s;
+        if (v->parent != i || (double)v->area >= least || v->arcs.n == 0) continue;
+        double best = INFINITY;
+        int32_t to = -1;
+        for (int32_t k = 0; k < v->arcs.n; k++) {
+            const double cost = arc_cost(g, i, v->arcs.v[k].to, &v->arcs.v[k]);
+            if (to < 0 || cost < best || (cost == best && v->arcs.v[k].to < to))
+                best = cost, to = v->arcs.v[k].to;
         }
+        if ((s = unite(g, to, i)) != TZ_OK) return s;
+        if (g->nodes[to].area < least && to < i) i = to - 1; /* still a crumb */
     }
     return s;
 }
 
-static int32_t root(graph *g, int32_t i)
+/* ---- driver ---------------------------------------------------------------------- */
+
+static tz_status open_graph(graph *g, const tz_region_picture *in, const int32_t *label)
+{
+    tz_status s = build(g, in, label);
+    if (s != TZ_OK) return s;
+    g->spread = colour_spread(g);
+    for (int32_t i = 0; i < g->n; i++) {
+        for (int32_t k = 0; k < g->nodes[i].arcs.n; k++) {
+            if (g->nodes[i].arcs.v[k].to < i) continue;
+            if ((s = queue(g, i, g->nodes[i].arcs.v[k].to)) != TZ_OK) return s;
+        }
+    }
+    return TZ_OK;
+}
+
+static int32_t root(const graph *g, int32_t i)
 {
     while (g->nodes[i].parent != i) i = g->nodes[i].parent;
     return i;
 }
 
-tz_status tz_regions_merge(tz_ctx *ctx, const float *response, const float *lab,
-                           int32_t channels, int32_t width, int32_t height,
+/* Labels of the merged regions, numbered in raster order of their first pixels. */
+static tz_status relabel(const graph *g, int64_t n, int32_t *label, int32_t *count)
+{
+    int32_t *fresh = NULL, *to = NULL;
+    tz_status s;
+    if ((s = tz_alloc(g->ctx, &fresh, (size_t)g->n, sizeof *fresh)) != TZ_OK) goto done;
+    if ((s = tz_alloc(g->ctx, &to, (size_t)g->n, sizeof *to)) != TZ_OK) goto done;
+    for (int32_t i = 0; i < g->n; i++) fresh[i] = -1, to[i] = root(g, i);
+    *count = 0;
+    for (int64_t p = 0; p < n; p++) {
+        int32_t *f = &fresh[to[label[p]]];
+        if (*f < 0) *f = (*count)++;
+        label[p] = *f;
+    }
+done:
+    tz_free(g->ctx, fresh);
+    tz_free(g->ctx, to);
+    return s;
+}
+
+static void close_graph(graph *g)
+{
+    for (int32_t i = 0; g->nodes && i < g->n; i++) tz_array_free(g->ctx, &g->nodes[i].arcs);
+    tz_free(g->ctx, g->nodes);
+    tz_array_free(g->ctx, &g->heap);
+    g->nodes = NULL;
+}
+
+tz_status tz_regions_merge(tz_ctx *ctx, const tz_region_picture *in,
                            const tz_region_options *opt, int32_t *label, int32_t *count)
 {
-    graph g = {.ctx = ctx, .opt = opt, .channels = channels, .n = *count, .alive = *count};
-    int32_t *fresh = NULL, next = 0;
+    const int64_t n = (int64_t)in->width * in->height;
+    const bool told = opt->wanted > 0;
+    const double natural = (double)n / (0.7 * opt->scale * opt->scale);
+    const int64_t wanted = told ? opt->wanted : (int64_t)natural + 1;
+    graph g = {.ctx = ctx, .opt = opt, .channels = in->channels, .n = *count, .alive = *count};
     tz_status s;
 
-    if ((s = tz_alloc(ctx, &fresh, (size_t)g.n, sizeof *fresh)) != TZ_OK) goto done;
-    if ((s = build(&g, response, lab, label, width, height)) != TZ_OK) goto done;
-    g.spread = colour_spread(&g);
-    for (int32_t i = 0; i < g.n; i++)
-        for (int32_t k = 0; k < g.nodes[i].arcs.n; k++)
-            if (g.nodes[i].arcs.v[k].to > i &&
-                (s = queue(&g, i, g.nodes[i].arcs.v[k].to)) != TZ_OK)
-                goto done;
-    if (opt->merge > 0 && (s = merge_cheapest(&g)) != TZ_OK) goto done;
-    if ((s = merge_crumbs(&g)) != TZ_OK) goto done;
-    for (int32_t i = 0; i < g.n; i++) fresh[i] = -1;
-    const int64_t n = (int64_t)width * height;
-    for (int64_t p = 0, last = -1; p < n; p++) {
-        (void)last;
-        const int32_t r = root(&g, label[p]);
-        if (fresh[r] < 0) fresh[r] = next++;
-        label[p] = fresh[r];
+    if ((s = open_graph(&g, in, label)) != TZ_OK) goto done;
+    if (opt->merge > 0) { /* joints will take their share */
+        s = merge_cheapest(&g, told ? wanted + wanted / 4 : wanted, !told);
+        if (s != TZ_OK) goto done;
     }
-    *count = next;
+    if ((s = relabel(&g, n, label, count)) != TZ_OK) goto done;
+    close_graph(&g);
+    if (opt->merge > 0) {
+        s = tz_joints_dissolve(ctx, in->width, in->height, 0.3 * opt->scale, label, count);
+        if (s != TZ_OK) goto done;
+    }
+    g = (graph){.ctx = ctx, .opt = opt, .channels = in->channels, .n = *count, .alive = *count};
+    if ((s = open_graph(&g, in, label)) != TZ_OK) goto done;
+    const double crumb = opt->merge > 0 ? 0.08 * opt->scale * opt->scale : 0;
+    if ((s = merge_crumbs(&g, fmax(crumb, opt->least))) != TZ_OK) goto done;
+    if (told && opt->merge > 0 && (s = merge_cheapest(&g, wanted, false)) != TZ_OK) goto done;
+    s = relabel(&g, n, label, count);
 done:
-    for (int32_t i = 0; g.nodes && i < g.n; i++) tz_array_free(ctx, &g.nodes[i].arcs);
-    tz_free(ctx, g.nodes);
-    tz_array_free(ctx, &g.heap);
-    tz_free(ctx, fresh);
+    close_graph(&g);
     return s;
 }
