@@ -48,7 +48,8 @@ const tz_param_table tz_arrange_param_table = {
 enum {
     KEY_BITS = 12,   /* pieces a tile */
     POINTS = 512,    /* overlap points compared */
-    BEST = 12,       /* candidates that are refined */
+    BEST = 10,       /* candidates kept of all */
+    FINAL = 5,       /* of them refined, seam and all */
     NEAR = 48        /* placed pieces looked at around a place */
 };
 
@@ -163,8 +164,10 @@ static void look_around(const grower *g, tz_vec2 v, tz_rng *rng, place *pl)
                 add_near(pl, c->label[at]);
         }
     const tz_vec2 mid = tz_vec2_add(v, tz_vec2_scale(pl->towards, 0.6));
-    collect(g, mid, 0.75 * piece, 3, &pl->coarse);
-    collect(g, mid, 0.8 * piece, 2, &pl->dense);
+    /* about 100 and 300 points, filled or not, whatever the piece */
+    const double cells = 0.75 * piece / TZ_CELL;
+    collect(g, mid, 0.75 * piece, (int32_t)fmax(1, cells / 6), &pl->coarse);
+    collect(g, mid, 0.8 * piece, (int32_t)fmax(1, cells / 11), &pl->dense);
 }
 
 /* ---- candidates ---------------------------------------------------------------------- */
@@ -219,15 +222,12 @@ static double compare(const grower *g, const overlap *o, const candidate *c)
     const float ox = (float)c->centre.x, oy = (float)c->centre.y;
     const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
     const float wmax = (float)f->width, hmax = (float)f->height;
-    int64_t sum = 0;
-    int32_t n = 0;
+    int32_t sum = 0, n = 0;
     for (int32_t k = 0; k < o->n; k++) {
         const float dx = o->x[k] - ox, dy = o->y[k] - oy;
         const float ux = a * dx + cc * dy, uy = b * dx + d * dy;
-        if (ux * ux + uy * uy > r2)
-            continue;
         const float px = ux + ex, py = uy + ey;
-        if (!(px >= 0 && py >= 0 && px < wmax && py < hmax))
+        if (ux * ux + uy * uy > r2 || !(px >= 0 && py >= 0 && px < wmax && py < hmax))
             continue;
         sum += tz_feature_distance(&o->f[k], &f->v[(int64_t)(int32_t)py * f->width + (int32_t)px]);
         n++;
@@ -394,7 +394,7 @@ static void refine(const grower *g, const place *pl, candidate *c)
     static const int8_t dir[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     double here = compare(g, &pl->dense, c);
     for (int step = 8; step >= 1; step /= 2)
-        for (int turn = 0; turn < 3; turn++) {
+        for (int turn = 0; turn < 2; turn++) {
             int way = -1;
             for (int k = 0; k < 4; k++) {
                 const candidate d = moved(*c, step * dir[k][0], step * dir[k][1]);
@@ -413,14 +413,30 @@ static void refine(const grower *g, const place *pl, candidate *c)
 
 /* ---- growing ------------------------------------------------------------------------- */
 
-static bool inside(const tz_star *s, const tz_grown *q, tz_vec2 v)
+static bool inside(const tz_star *s, const tz_grown *q, const float radius[TZ_RAYS], tz_vec2 v)
 {
     const tz_vec2 p = tz_vec2_sub(tz_affine_apply(q->inv, v), s->centre);
     double a = atan2(p.y, p.x) / (2 * TZ_PI);
     a -= floor(a);
-    const double at = a * TZ_RAYS;
-    const int i = (int)at % TZ_RAYS, j = (i + 1) % TZ_RAYS;
-    return tz_vec2_length(p) < fmin(q->radius[i], q->radius[j]) * 0.98;
+    const int i = (int)(a * TZ_RAYS) % TZ_RAYS, j = (i + 1) % TZ_RAYS;
+    return tz_vec2_length(p) < fmin(radius[i], radius[j]) * 0.98;
+}
+
+/* Feature that a layout point shows, through the piece that owns its cell. */
+static const tz_feature *shown(const void *user, double x, double y)
+{
+    const grower *g = user;
+    const int64_t at = tz_canvas_at(&g->canvas, (int32_t)floor(x / TZ_CELL),
+                                    (int32_t)floor(y / TZ_CELL));
+    if (at < 0 || g->canvas.label[at] < 0)
+        return NULL;
+    const tz_grown *q = grown(g, g->canvas.label[at]);
+    if (g->p.tile) { /* over the nearest copy */
+        x -= floor((x - q->centre.x) / g->p.size[0] + 0.5) * g->p.size[0];
+        y -= floor((y - q->centre.y) / g->p.size[1] + 0.5) * g->p.size[1];
+    }
+    const tz_vec2 p = tz_affine_apply(q->inv, (tz_vec2){x, y});
+    return tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y);
 }
 
 static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
@@ -438,26 +454,32 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
             try_star(g, pl, id, rng, best, &n);
     }
     tz_grown won = {.star = -1};
+    float radius[TZ_RAYS], best_radius[TZ_RAYS];
     double least = INFINITY;
-    const int32_t judged = structured ? n : n < 2 ? n : 2;
+    const int32_t judged = n < (structured ? FINAL : 2) ? n : structured ? FINAL : 2;
     for (int32_t k = 0; k < judged; k++) {
         candidate c = best[k];
         if (pl->coarse.n && structured && !c.coherent)
             refine(g, pl, &c);
         const tz_star *s = &g->stars.star.v[c.star];
-        tz_grown q = {c.star, c.map, c.map, c.centre, {0}};
+        tz_grown q = {.star = c.star, .map = c.map, .centre = c.centre};
         if (!tz_affine_invert(q.map, &q.inv))
             continue;
         const double seam =
-            tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, q.radius);
-        if (!inside(s, &q, pl->at))
+            tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, radius);
+        if (!inside(s, &q, radius, pl->at))
             continue;
         const double score = seam + 0.5 * c.score + repetition(g, pl, &c);
-        if (score < least)
+        if (score < least) {
             least = score, won = q;
+            memcpy(best_radius, radius, sizeof radius);
+        }
     }
-    if (won.star >= 0)
+    if (won.star >= 0) {
+        const tz_star *s = &g->stars.star.v[won.star];
+        tz_seam_refine(g, shown, &g->map[s->exemplar], s, won.map, best_radius, won.border);
         return won;
+    }
     /* nothing fits: the first allowed star (or any) right on the place */
     int32_t id = tz_rng_below(rng, stars);
     for (int32_t k = 0; k < stars && !star_allowed(g, pl->rule, &g->stars.star.v[id]); k++)
@@ -466,8 +488,8 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
     won = (tz_grown){.star = id, .centre = pl->at};
     won.map = tz_affine_place(s->centre, pl->at, 0, 1, false);
     tz_affine_invert(won.map, &won.inv);
-    for (int ray = 0; ray < TZ_RAYS; ray++)
-        won.radius[ray] = s->radius[ray] > 6 ? s->radius[ray] : 6;
+    for (int k = 0; k < TZ_BORDER; k++)
+        won.border[k] = fmaxf(s->radius[k * TZ_RAYS / TZ_BORDER], 6);
     return won;
 }
 
@@ -551,14 +573,14 @@ static tz_status write_layout(const grower *g, tz_layout *l)
         for (int32_t k = 0; k < g->tile[t].n && s == TZ_OK; k++) {
             const tz_grown *q = &g->tile[t].v[k];
             const tz_star *star = &g->stars.star.v[q->star];
-            tz_point border[TZ_RAYS];
-            for (int ray = 0; ray < TZ_RAYS; ray++) {
-                const double a = 2 * TZ_PI * ray / TZ_RAYS;
-                border[ray] = (tz_point){(float)(star->centre.x + q->radius[ray] * cos(a)),
-                                         (float)(star->centre.y + q->radius[ray] * sin(a))};
+            tz_point border[TZ_BORDER];
+            for (int ray = 0; ray < TZ_BORDER; ray++) {
+                const tz_vec2 dir = tz_ray(ray, TZ_BORDER);
+                border[ray] = (tz_point){(float)(star->centre.x + q->border[ray] * dir.x),
+                                         (float)(star->centre.y + q->border[ray] * dir.y)};
             }
             int32_t id;
-            s = tz_layout_add(l, star->exemplar, star->group, q->map, border, TZ_RAYS, &id);
+            s = tz_layout_add(l, star->exemplar, star->group, q->map, border, TZ_BORDER, &id);
         }
     return s;
 }
@@ -586,7 +608,7 @@ static double piece_size(const tz_exemplar *ex, int32_t n, double wanted)
     for (int32_t k = 0; k < n; k++) {
         const double shorter =
             ex[k].ebpt->width < ex[k].ebpt->height ? ex[k].ebpt->width : ex[k].ebpt->height;
-        sum += fmin(fmax(1.6 * ex[k].ebpt->scale, 72), fmax(shorter / 3.5, 16));
+        sum += fmin(fmax(2.5 * ex[k].ebpt->scale, 96), fmax(shorter / 2.6, 16));
     }
     return sum / n;
 }

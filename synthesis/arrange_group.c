@@ -109,20 +109,30 @@ static void surroundings(const tz_ebpt *e, int32_t group, tz_star *s)
     }
 }
 
+/* The full comparison is made with the SHORTLIST stars nearest in size only. */
 static void find_similar(tz_stars *s, int32_t self, double scale)
 {
+    enum { SHORTLIST = 48 };
     tz_star *a = &s->star.v[self];
     const tz_neighbour_weights w = {0.5, 1.0, 0.5, 1.5 * scale};
-    double best[TZ_SIMILAR];
+    double best[TZ_SIMILAR], gap[SHORTLIST];
+    int32_t list[SHORTLIST], n = 0;
+    for (int32_t j = s->first[a->exemplar]; j < s->first[a->exemplar + 1]; j++) {
+        const double d = fabs(s->star.v[j].size - a->size);
+        if (j == self || (n == SHORTLIST && d >= gap[n - 1]))
+            continue;
+        int32_t at = n < SHORTLIST ? n++ : n - 1;
+        while (at > 0 && gap[at - 1] > d)
+            gap[at] = gap[at - 1], list[at] = list[at - 1], at--;
+        gap[at] = d, list[at] = j;
+    }
     for (int k = 0; k < TZ_SIMILAR; k++)
         a->similar[k] = -1, best[k] = INFINITY;
-    for (int32_t j = s->first[a->exemplar]; j < s->first[a->exemplar + 1]; j++) {
-        const tz_star *b = &s->star.v[j];
-        if (j == self)
-            continue;
-        const double ds = a->size - b->size;
-        const double cost = ds * ds + tz_neighbourhood_cost(a->neighbour, a->neighbours,
-                                                            b->neighbour, b->neighbours, &w);
+    for (int32_t i = 0; i < n; i++) {
+        const tz_star *b = &s->star.v[list[i]];
+        const double cost =
+            gap[i] * gap[i] + tz_neighbourhood_cost(a->neighbour, a->neighbours, b->neighbour,
+                                                    b->neighbours, &w);
         int at = TZ_SIMILAR;
         while (at > 0 && cost < best[at - 1])
             at--;
@@ -130,7 +140,7 @@ static void find_similar(tz_stars *s, int32_t self, double scale)
             continue;
         for (int k = TZ_SIMILAR - 1; k > at; k--)
             best[k] = best[k - 1], a->similar[k] = a->similar[k - 1];
-        best[at] = cost, a->similar[at] = j;
+        best[at] = cost, a->similar[at] = list[i];
     }
 }
 
@@ -270,11 +280,12 @@ tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f)
             d += fabs(part[k][b] - part[k + 1][b]);
         natural = fmax(natural, d);
     }
-    natural = fmax(natural, 0.03);
+    /* halves that differ very much (perspective, one large bend) say little about turns */
+    natural = fmin(fmax(natural, 0.03), 0.08);
     double deg = 0;
-    while (deg < 180 && turned_distance(all, (deg + 1) / 5, 0) <= natural)
-        deg += 1;
-    f->rotation = fmin(fmax(deg, 2), 180) * TZ_PI / 180;
+    while (deg < 180 && turned_distance(all, (deg + 0.5) / 5, 0) <= natural)
+        deg += 0.5;
+    f->rotation = fmin(fmax(deg, 1), 180) * TZ_PI / 180;
     f->mirror_x = turned_distance(all, 0, 1) <= 1.5 * natural;
     f->mirror_y = turned_distance(all, 0, 2) <= 1.5 * natural;
     return TZ_OK;

@@ -4,6 +4,11 @@
 #ifndef TZ_SYNTHESIS_ARRANGE_INTERNAL_H
 #define TZ_SYNTHESIS_ARRANGE_INTERNAL_H
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+#include <string.h>
+
 #include "base/rng.h"
 #include "elements/domain.h"
 #include "elements/neighbourhood.h"
@@ -45,7 +50,7 @@ tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
 
 /* ---- groups ----------------------------------------------------------------------- */
 
-enum { TZ_RAYS = 64, TZ_RINGS = 24, TZ_SIMILAR = 6 };
+enum { TZ_RAYS = 64, TZ_RINGS = 24, TZ_BORDER = 128, TZ_SIMILAR = 6 };
 
 /** Edge group made ready for placing: a star about the region's centre. */
 typedef struct tz_star {
@@ -105,7 +110,7 @@ typedef struct tz_grown {
     int32_t star;
     tz_affine map, inv;
     tz_vec2 centre;         /**< layout px */
-    float radius[TZ_RAYS];  /**< its border, source px from the star's centre */
+    float border[TZ_BORDER]; /**< radii of its border, source px from the star's centre */
 } tz_grown;
 
 static inline const tz_feature *tz_feature_at(const tz_feature_map *f, double x, double y)
@@ -119,12 +124,24 @@ static inline const tz_feature *tz_feature_at(const tz_feature_map *f, double x,
 /** Sum of absolute differences of two features, 0 .. 2040. */
 static inline int32_t tz_feature_distance(const tz_feature *a, const tz_feature *b)
 {
+#if defined(__SSE2__)
+    return _mm_cvtsi128_si32(_mm_sad_epu8(_mm_loadl_epi64((const __m128i *)a->v),
+                                          _mm_loadl_epi64((const __m128i *)b->v)));
+#else
     int32_t s = 0;
     for (int k = 0; k < TZ_FEATURES; k++) {
         const int32_t d = (int32_t)a->v[k] - (int32_t)b->v[k];
         s += d < 0 ? -d : d;
     }
     return s;
+#endif
+}
+
+/** Direction of ray k of n. */
+static inline tz_vec2 tz_ray(int k, int n)
+{
+    const double a = 2 * TZ_PI * k / n;
+    return (tz_vec2){cos(a), sin(a)};
 }
 
 /* ---- seam ------------------------------------------------------------------------- */
@@ -135,6 +152,16 @@ static inline int32_t tz_feature_distance(const tz_feature *a, const tz_feature 
  * @return mean mismatch along the part of the seam that meets filled cells, 0 if none */
 double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
                     tz_affine map, float radius[TZ_RAYS]);
+
+/** What a layout point shows now: its feature at full resolution, NULL in the void. */
+typedef const tz_feature *(*tz_shown)(const void *user, double x, double y);
+
+/** Takes a seam from rays x rings to pixels: the same search in a band of a few px about
+ * it, against what is shown at full resolution.
+ * @param[out] border  TZ_BORDER radii in source px */
+void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
+                    const tz_star *star, tz_affine map, const float radius[TZ_RAYS],
+                    float border[TZ_BORDER]);
 
 /** Writes a piece into the canvas. @return cells newly filled */
 int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,

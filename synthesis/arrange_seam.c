@@ -24,30 +24,71 @@ static float ring_radius(const tz_star *star, int ray, int ring)
     return star->limit[ray] * (f + (1 - f) * (float)ring / (TZ_RINGS - 1));
 }
 
+/* Path of least cost round a band of `rays` columns and `rings` rows (cost[ray * rings +
+ * ring]); path[ray] receives the ring. */
+static void closed_path(const int32_t *cost, int rays, int rings, int32_t bend_cost,
+                        uint8_t *path)
+{
+    enum { MOST = TZ_RINGS };
+    int32_t sum[2][MOST];
+    int8_t from[2 * TZ_BORDER][MOST];
+    for (int k = 0; k < rings; k++)
+        sum[0][k] = cost[k];
+    for (int col = 1; col < 2 * rays; col++) {
+        const int32_t *in = sum[(col - 1) & 1], *c = cost + (col % rays) * rings;
+        int32_t *out = sum[col & 1];
+        for (int k = 0; k < rings; k++) {
+            int32_t best = in[k];
+            int8_t step = 0;
+            for (int8_t d = -BEND; d <= BEND; d++) {
+                if (k + d < 0 || k + d >= rings)
+                    continue;
+                const int32_t t = in[k + d] + bend_cost * (d < 0 ? -d : d);
+                if (t < best)
+                    best = t, step = d;
+            }
+            out[k] = best + c[k];
+            from[col][k] = step;
+        }
+    }
+    const int32_t *last = sum[(2 * rays - 1) & 1];
+    int ring = 0;
+    for (int k = 1; k < rings; k++)
+        if (last[k] < last[ring])
+            ring = k;
+    for (int col = 2 * rays - 1; col >= rays; col--) {
+        path[col % rays] = (uint8_t)ring;
+        ring += from[col][ring];
+    }
+}
+
+/* Mismatch of two features along a seam; steps hide in busy places. */
+static int32_t mismatch(const tz_feature *old, const tz_feature *new)
+{
+    const int32_t busy = old->v[TZ_FEATURE_BUSY] < new->v[TZ_FEATURE_BUSY]
+                             ? old->v[TZ_FEATURE_BUSY]
+                             : new->v[TZ_FEATURE_BUSY];
+    return tz_feature_distance(old, new) * 256 / (192 + busy / 2);
+}
+
 double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
                     tz_affine map, float radius[TZ_RAYS])
 {
     int32_t cost[TZ_RAYS][TZ_RINGS], miss[TZ_RAYS][TZ_RINGS];
     bool any = false;
     for (int ray = 0; ray < TZ_RAYS; ray++) {
-        const double a = 2 * TZ_PI * ray / TZ_RAYS;
-        const double cx = cos(a), cy = sin(a);
+        const tz_vec2 dir = tz_ray(ray, TZ_RAYS);
         int32_t bare = 0;
         for (int ring = TZ_RINGS - 1; ring >= 0; ring--) {
             const double r = ring_radius(star, ray, ring);
-            const tz_vec2 p = {star->centre.x + r * cx, star->centre.y + r * cy};
+            const tz_vec2 p = {star->centre.x + r * dir.x, star->centre.y + r * dir.y};
             const tz_vec2 q = tz_affine_apply(map, p);
             const int64_t at = tz_canvas_at(canvas, (int32_t)floor(q.x / TZ_CELL),
                                             (int32_t)floor(q.y / TZ_CELL));
             int32_t m = -1;
             if (at >= 0 && canvas->label[at] >= 0) {
                 const tz_feature *old = &canvas->feature[at], *new = tz_feature_at(f, p.x, p.y);
-                m = tz_feature_distance(old, new);
-                /* steps hide in busy places */
-                const int32_t busy = old->v[TZ_FEATURE_BUSY] < new->v[TZ_FEATURE_BUSY]
-                                         ? old->v[TZ_FEATURE_BUSY]
-                                         : new->v[TZ_FEATURE_BUSY];
-                m = m * 256 / (192 + busy / 2);
+                m = mismatch(old, new);
                 any = true;
             }
             miss[ray][ring] = m;
@@ -65,64 +106,69 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
             radius[ray] = star->limit[ray];
         return 0;
     }
-    int32_t sum[2][TZ_RINGS];
-    int8_t from[2 * TZ_RAYS][TZ_RINGS];
-    memcpy(sum[0], cost[0], sizeof sum[0]);
-    memset(from[0], 0, sizeof from[0]);
-    for (int col = 1; col < 2 * TZ_RAYS; col++) {
-        const int32_t *in = sum[(col - 1) & 1];
-        int32_t *out = sum[col & 1];
-        for (int k = 0; k < TZ_RINGS; k++) {
-            int32_t best = in[k];
-            int8_t step = 0;
-            for (int8_t d = -BEND; d <= BEND; d++) {
-                if (k + d < 0 || k + d >= TZ_RINGS)
-                    continue;
-                const int32_t c = in[k + d] + BEND_COST * (d < 0 ? -d : d);
-                if (c < best)
-                    best = c, step = d;
-            }
-            out[k] = best + cost[col % TZ_RAYS][k];
-            from[col][k] = step;
-        }
-    }
-    const int32_t *last = sum[(2 * TZ_RAYS - 1) & 1];
-    int ring = 0;
-    for (int k = 1; k < TZ_RINGS; k++)
-        if (last[k] < last[ring])
-            ring = k;
+    uint8_t path[TZ_RAYS];
+    closed_path(&cost[0][0], TZ_RAYS, TZ_RINGS, BEND_COST, path);
     int64_t total = 0;
     int32_t met = 0;
-    for (int col = 2 * TZ_RAYS - 1; col >= TZ_RAYS; col--) {
-        const int ray = col % TZ_RAYS;
-        radius[ray] = ring_radius(star, ray, ring);
-        if (miss[ray][ring] >= 0)
-            total += miss[ray][ring], met++;
-        ring += from[col][ring];
+    for (int ray = 0; ray < TZ_RAYS; ray++) {
+        radius[ray] = ring_radius(star, ray, path[ray]);
+        if (miss[ray][path[ray]] >= 0)
+            total += miss[ray][path[ray]], met++;
     }
     return met ? (double)total / met : 0;
+}
+
+void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
+                    const tz_star *star, tz_affine map, const float radius[TZ_RAYS],
+                    float border[TZ_BORDER])
+{
+    enum { BAND = 13, PER = TZ_BORDER / TZ_RAYS };
+    int32_t cost[TZ_BORDER * BAND];
+    float centre[TZ_BORDER];
+    uint8_t path[TZ_BORDER];
+    for (int ray = 0; ray < TZ_BORDER; ray++) {
+        const int i = ray / PER, j = (i + 1) % TZ_RAYS;
+        const float t = (float)(ray % PER) / PER;
+        const float limit = star->limit[i] + t * (star->limit[j] - star->limit[i]);
+        centre[ray] = radius[i] + t * (radius[j] - radius[i]);
+        centre[ray] = fminf(centre[ray], limit - BAND / 2);
+        const tz_vec2 dir = tz_ray(ray, TZ_BORDER);
+        int32_t bare = 0;
+        for (int ring = BAND - 1; ring >= 0; ring--) {
+            const double r = fmax(centre[ray] + ring - BAND / 2, 1);
+            const tz_vec2 p = {star->centre.x + r * dir.x, star->centre.y + r * dir.y};
+            const tz_vec2 q = tz_affine_apply(map, p);
+            const tz_feature *old = shown(user, q.x, q.y);
+            cost[ray * BAND + ring] =
+                VOID_COST / 4 * bare + (old ? mismatch(old, tz_feature_at(f, p.x, p.y)) : 0);
+            bare += !old;
+        }
+    }
+    closed_path(cost, TZ_BORDER, BAND, BEND_COST, path);
+    for (int ray = 0; ray < TZ_BORDER; ray++)
+        border[ray] = fmaxf(centre[ray] + path[ray] - BAND / 2, 1);
 }
 
 /* Scan-converts the border onto cell centres. */
 int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
                        const tz_grown *g, int32_t key)
 {
-    double x[TZ_RAYS], y[TZ_RAYS], y0 = INFINITY, y1 = -INFINITY;
+    double x[TZ_BORDER], y[TZ_BORDER], y0 = INFINITY, y1 = -INFINITY;
     int32_t fresh = 0;
-    for (int ray = 0; ray < TZ_RAYS; ray++) {
-        const double a = 2 * TZ_PI * ray / TZ_RAYS;
-        const tz_vec2 q = tz_affine_apply(
-            g->map, (tz_vec2){star->centre.x + g->radius[ray] * cos(a),
-                              star->centre.y + g->radius[ray] * sin(a)});
+    for (int ray = 0; ray < TZ_BORDER; ray++) {
+        const tz_vec2 dir = tz_ray(ray, TZ_BORDER);
+        const tz_vec2 q =
+            tz_affine_apply(g->map, (tz_vec2){star->centre.x + g->border[ray] * dir.x,
+                                              star->centre.y + g->border[ray] * dir.y});
         x[ray] = q.x / TZ_CELL, y[ray] = q.y / TZ_CELL;
         y0 = fmin(y0, y[ray]), y1 = fmax(y1, y[ray]);
     }
     for (int32_t j = (int32_t)floor(y0); j <= (int32_t)y1; j++) {
-        double cross[TZ_RAYS];
+        double cross[TZ_BORDER];
         int n = 0;
         const double cy = j + 0.5;
-        for (int k = 0; k < TZ_RAYS; k++) {
-            const int k2 = (k + 1) % TZ_RAYS;
+        for (int k = 0; k < TZ_BORDER; k++) {
+            const int k2 = (k + 1) % TZ_BORDER;
             if ((y[k] <= cy) == (y[k2] <= cy))
                 continue;
             const double c = x[k] + (cy - y[k]) * (x[k2] - x[k]) / (y[k2] - y[k]);

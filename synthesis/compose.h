@@ -47,6 +47,9 @@ TZ_API void tz_composer_free(tz_composer *c);
  * whole. Parallel inside. */
 TZ_API tz_status tz_composer_render(tz_ctx *ctx, const tz_composer *c, tz_rect r,
                                     tz_image *out);
+/** Farthest that a change of a placement changes pixels outside its border, px: an edited
+ * rectangle grown by this much and rendered again equals a new rendering of the whole. */
+TZ_API int32_t tz_composer_reach(void);
 /** Which placement shows at each pixel of r (ids into layout.place). */
 TZ_API tz_status tz_composer_labels(tz_ctx *ctx, const tz_composer *c, tz_rect r,
                                     int32_t *label);
