@@ -79,13 +79,8 @@ static tz_status plan_seed(job *j, int32_t i, tz_path_list *outputs)
         s = tz_pictures_plan(cli, j->v->output.output, j->v->map_output.map_output,
                              &j->maps, v, &j->pictures);
     j->first[i + 1] = j->pictures.n;
-    for (int32_t k = j->first[i]; s == TZ_OK && k < j->pictures.n; k++) {
-        tz_image_write_options opt;
+    for (int32_t k = j->first[i]; s == TZ_OK && k < j->pictures.n; k++)
         s = tz_paths_add(cli->ctx, outputs, j->pictures.v[k].path);
-        if (s == TZ_OK)
-            s = tz_format_settle(cli->ctx, j->pictures.v[k].path, &j->v->format, NULL,
-                                 &opt);
-    }
     return s;
 }
 
@@ -116,6 +111,11 @@ static tz_status plan(job *j)
         s = tz_cli_usage(cli, "--json and an output both want standard output");
     if (s == TZ_OK)
         s = tz_outputs_check(cli->ctx, &j->exemplars.input, &outputs);
+    if (s == TZ_OK)
+        s = tz_pictures_check(cli, &j->pictures, &j->v->format);
+    tz_rect crop;
+    if (s == TZ_OK && j->pictures.n)
+        s = tz_crop_settle(cli->ctx, j->v->arrange.size, &j->v->compose, &crop);
     tz_paths_free(cli->ctx, &outputs);
     return s;
 }

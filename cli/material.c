@@ -211,6 +211,16 @@ tz_status tz_pictures_plan(tz_cli *cli, const char *output, const char *map_outp
     return s;
 }
 
+tz_status tz_pictures_check(tz_cli *cli, const tz_picture_list *l,
+                            const tz_format_params *format)
+{
+    tz_image_write_options opt;
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; s == TZ_OK && i < l->n; i++)
+        s = tz_format_settle(cli->ctx, l->v[i].path, format, NULL, &opt);
+    return s;
+}
+
 void tz_pictures_free(tz_ctx *ctx, tz_picture_list *l)
 {
     for (int32_t i = 0; i < l->n; i++)

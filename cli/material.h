@@ -63,6 +63,10 @@ tz_picture_list;
 tz_status tz_pictures_plan(tz_cli *cli, const char *output, const char *map_output,
                            const tz_map_list *maps, tz_name_values v,
                            tz_picture_list *pictures);
+/** Settles every picture's format once, before the work, so that a wrong name shows
+ * early. */
+tz_status tz_pictures_check(tz_cli *cli, const tz_picture_list *l,
+                            const tz_format_params *format);
 void tz_pictures_free(tz_ctx *ctx, tz_picture_list *l);
 
 /** What all images of a layout are made from. */

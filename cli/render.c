@@ -100,12 +100,8 @@ static tz_status plan(job *j)
     if (s == TZ_OK)
         s = tz_pictures_plan(cli, v->output.output, v->map_output.map_output, &j->maps,
                              names, &j->pictures);
-    for (int32_t i = 0; s == TZ_OK && i < j->pictures.n; i++) {
-        tz_image_write_options opt;
+    for (int32_t i = 0; s == TZ_OK && i < j->pictures.n; i++)
         s = tz_paths_add(cli->ctx, &outputs, j->pictures.v[i].path);
-        if (s == TZ_OK)
-            s = tz_format_settle(cli->ctx, j->pictures.v[i].path, &v->format, NULL, &opt);
-    }
     for (int32_t i = 0; s == TZ_OK && i < j->maps.n; i++)
         for (int32_t k = 0; s == TZ_OK && k < j->n; k++)
             s = tz_paths_add(cli->ctx, &j->inputs,
@@ -114,6 +110,8 @@ static tz_status plan(job *j)
         s = tz_cli_usage(cli, "--json and the image both want standard output");
     if (s == TZ_OK)
         s = tz_outputs_check(cli->ctx, &j->inputs, &outputs);
+    if (s == TZ_OK)
+        s = tz_pictures_check(cli, &j->pictures, &v->format);
     tz_paths_free(cli->ctx, &outputs);
     for (int32_t k = 0; s == TZ_OK && j->maps.n && k < j->n; k++)
         s = tz_maps_check(cli, &j->maps, k, j->sources[k].path, &j->photos[k]);

@@ -112,23 +112,55 @@ static void label_of(const values *v, const char *path, const tz_image *im, int3
     snprintf(text, size, "%.200s  %d x %d", stem, im->width, im->height);
 }
 
-static tz_status draw_cell(tz_cli *cli, const tz_image *im, int32_t i, double factor,
-                           tz_image *sheet)
+/* Where each column and row of the grid begins: as wide as the widest picture in it (and
+ * at least ten letters), as high as the highest. */
+typedef struct grid {
+    int32_t columns, rows;
+    int32_t *x, *y; /* columns + 1, rows + 1 */
+} grid;
+
+static tz_status make_grid(tz_cli *cli, const tz_image *im, const double *factor, grid *g)
 {
     const values *v = cli->values;
-    const int32_t *cell = v->own.cell;
+    int32_t n = cli->operands;
+    g->columns = n < v->own.columns ? n : v->own.columns;
+    g->rows = (n + g->columns - 1) / g->columns;
+    tz_status s = tz_alloc_zero(cli->ctx, &g->x, (size_t)g->columns + 1, sizeof *g->x);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(cli->ctx, &g->y, (size_t)g->rows + 1, sizeof *g->y);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t w = (int32_t)fmax(10 * TZ_FONT_WIDTH * LETTER, im[i].width / factor[i]);
+        int32_t h = (int32_t)fmax(1, im[i].height / factor[i]) + LABEL;
+        int32_t *x = &g->x[i % g->columns + 1], *y = &g->y[i / g->columns + 1];
+        *x = w > *x ? w : *x;
+        *y = h > *y ? h : *y;
+    }
+    int64_t width = GAP, height = GAP;
+    g->x[0] = g->y[0] = GAP;
+    for (int32_t i = 1; i <= g->columns && width <= TZ_IMAGE_MAX_SIDE; i++)
+        g->x[i] = (int32_t)(width += g->x[i] + GAP);
+    for (int32_t i = 1; i <= g->rows && height <= TZ_IMAGE_MAX_SIDE; i++)
+        g->y[i] = (int32_t)(height += g->y[i] + GAP);
+    if (width > TZ_IMAGE_MAX_SIDE || height > TZ_IMAGE_MAX_SIDE)
+        return tz_fail(cli->ctx, TZ_LIMIT,
+                       "%s: the sheet is too large; make the cells smaller",
+                       v->output.output);
+    return TZ_OK;
+}
+
+static tz_status draw_cell(tz_cli *cli, const tz_image *im, int32_t i, double factor,
+                           const grid *g, tz_image *sheet)
+{
     char label[256];
-    scale_job j = {im,
-                   sheet,
-                   factor,
-                   GAP + i % v->own.columns * (cell[0] + GAP),
-                   GAP + i / v->own.columns * (cell[1] + LABEL + GAP),
-                   1};
+    int32_t column = i % g->columns;
+    scale_job j = {im, sheet, factor, g->x[column], g->y[i / g->columns], 1};
     int32_t rows = (int32_t)fmax(1, floor(im->height / factor));
     tz_status s = tz_parallel_for(cli->ctx, rows, scale_row, &j);
-    label_of(v, cli->operand[i], im, i, label, sizeof label);
-    size_t letters = (size_t)cell[0] / (TZ_FONT_WIDTH * LETTER);
-    if (letters < sizeof label)
+    label_of(cli->values, cli->operand[i], im, i, label, sizeof label);
+    int32_t letters = (g->x[column + 1] - g->x[column]) / (TZ_FONT_WIDTH * LETTER);
+    if (letters < (int32_t)sizeof label)
         label[letters] = 0;
     tz_font_draw(sheet, j.x, j.y + rows + GAP / 2, LETTER, 0, label);
     return s;
@@ -161,50 +193,57 @@ static tz_status check(tz_cli *cli, tz_image_write_options *opt)
     return s;
 }
 
+/* One factor for all, or each its own. */
+static void set_factors(const values *v, const tz_image *im, int32_t n, double *factor)
+{
+    double most = 1;
+    for (int32_t i = 0; i < n; i++) {
+        factor[i] = factor_of(&im[i], v->own.cell);
+        most = fmax(most, factor[i]);
+    }
+    for (int32_t i = 0; i < n && !v->own.fit; i++)
+        factor[i] = most;
+}
+
 static tz_status run(tz_cli *cli)
 {
     const values *v = cli->values;
     tz_image *im = NULL, sheet = {0};
     tz_image_write_options opt;
-    double factor = 1;
+    grid g = {0};
+    double *factor = NULL;
+    int32_t n = cli->operands;
     tz_status s = check(cli, &opt);
     if (s == TZ_OK)
-        s = tz_alloc_zero(cli->ctx, &im, (size_t)cli->operands, sizeof *im);
+        s = tz_alloc_zero(cli->ctx, &im, (size_t)n, sizeof *im);
+    if (s == TZ_OK)
+        s = tz_alloc(cli->ctx, &factor, (size_t)n, sizeof *factor);
     if (s == TZ_OK)
         s = read_all(cli, im);
     if (s != TZ_OK)
         goto done;
-    int32_t n = cli->operands, columns = n < v->own.columns ? n : v->own.columns;
-    int32_t rows = (n + columns - 1) / columns;
-    int64_t w = GAP + (int64_t)columns * (v->own.cell[0] + GAP);
-    int64_t h = GAP + (int64_t)rows * (v->own.cell[1] + LABEL + GAP);
-    if (w > TZ_IMAGE_MAX_SIDE || h > TZ_IMAGE_MAX_SIDE) {
-        s = tz_fail(cli->ctx, TZ_LIMIT,
-                    "%s: a sheet of %lld x %lld pixels is too large; make "
-                    "the cells smaller",
-                    v->output.output, (long long)w, (long long)h);
-        goto done;
-    }
-    if ((s = tz_image_init(cli->ctx, &sheet, (int32_t)w, (int32_t)h, 3)) != TZ_OK)
+    set_factors(v, im, n, factor);
+    if ((s = make_grid(cli, im, factor, &g)) != TZ_OK ||
+        (s = tz_image_init(cli->ctx, &sheet, g.x[g.columns], g.y[g.rows], 3)) != TZ_OK)
         goto done;
     sheet.encoding = TZ_ENCODING_LINEAR;
     sheet.depth = 8;
-    for (int64_t i = 0; i < w * h * 3; i++)
+    for (int64_t i = 0; i < (int64_t)sheet.width * sheet.height * 3; i++)
         sheet.px[i] = 1;
-    for (int32_t i = 0; i < n; i++)
-        factor = fmax(factor, factor_of(&im[i], v->own.cell));
     for (int32_t i = 0; s == TZ_OK && i < n; i++)
-        s = draw_cell(cli, &im[i], i,
-                      v->own.fit ? factor_of(&im[i], v->own.cell) : factor, &sheet);
+        s = draw_cell(cli, &im[i], i, factor[i], &g, &sheet);
     if (s == TZ_OK)
         s = tz_image_write(cli->ctx, v->output.output, &sheet, &opt);
     if (s == TZ_OK)
         tz_figures_output(cli, v->output.output, "sheet", sheet.width, sheet.height);
     cli->piped = strcmp(v->output.output, "-") == 0;
 done:
-    for (int32_t i = 0; im && i < cli->operands; i++)
+    for (int32_t i = 0; im && i < n; i++)
         tz_image_deinit(&im[i]);
     tz_free(cli->ctx, im);
+    tz_free(cli->ctx, factor);
+    tz_free(cli->ctx, g.x);
+    tz_free(cli->ctx, g.y);
     tz_image_deinit(&sheet);
     return s;
 }

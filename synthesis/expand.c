@@ -318,20 +318,18 @@ static tz_status make_like(tz_ctx *ctx, const tz_image *im, const char *recipe,
     return s;
 }
 
-static tz_status crop_of(tz_ctx *ctx, const tz_layout *l, const tz_compose_params *p,
-                         tz_rect *out)
+tz_status tz_crop_settle(tz_ctx *ctx, const int32_t size[2],
+                         const tz_compose_params *params, tz_rect *out)
 {
-    tz_rect all = {0, 0, l->width, l->height}, c = p->crop;
-    if (c.w == 0 && c.h == 0) {
-        *out = all;
-        return TZ_OK;
-    }
-    if (c.w < 1 || c.h < 1 || c.x < 0 || c.y < 0 || c.w > l->width - c.x ||
-        c.h > l->height - c.y)
-        return tz_fail(ctx, TZ_INVALID,
-                       "--crop %d,%d,%d,%d: does not lie within the layout "
-                       "of %d x %d pixels",
-                       c.x, c.y, c.w, c.h, l->width, l->height);
+    tz_rect c = params->crop;
+    if (c.w == 0 && c.h == 0)
+        c = (tz_rect){0, 0, size[0], size[1]};
+    if (c.w < 1 || c.h < 1 || c.x < 0 || c.y < 0 || c.w > size[0] - c.x ||
+        c.h > size[1] - c.y)
+        return tz_fail(
+            ctx, TZ_INVALID,
+            "--crop %d,%d,%d,%d: does not lie within the layout of %d x %d pixels", c.x,
+            c.y, c.w, c.h, size[0], size[1]);
     *out = c;
     return TZ_OK;
 }
@@ -345,7 +343,8 @@ tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
     tz_image_write_options opt;
     tz_rect r;
     double start = tz_seconds(), rendered;
-    tz_status s = crop_of(ctx, job->layout, job->params, &r);
+    const int32_t size[2] = {job->layout->width, job->layout->height};
+    tz_status s = tz_crop_settle(ctx, size, job->params, &r);
     if (s != TZ_OK)
         return s;
     if ((s = make_like(ctx, &job->images[0], job->recipe, &like)) != TZ_OK ||
@@ -359,7 +358,10 @@ tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
         (uint64_t)r.w * (uint64_t)r.h * (uint64_t)like.channels * sizeof(float);
     uint64_t budget = tz_ctx_memory(ctx) ? tz_ctx_memory(ctx) / 16 : 1 << 28;
     if (bytes <= budget && bytes <= 1 << 28) {
-        s = tz_composer_render(ctx, c, r, &whole);
+        s = tz_image_init(ctx, &whole, r.w, r.h, like.channels);
+        whole.alpha = like.alpha;
+        if (s == TZ_OK)
+            s = tz_composer_render(ctx, c, r, &whole);
         rendered = tz_seconds();
         if (s == TZ_OK)
             s = tz_image_sink_rows(sink, &whole);

@@ -78,6 +78,11 @@ TZ_API tz_status tz_expand_arrange(tz_ctx *ctx, const tz_source *sources, int32_
                                    const char *rules, const tz_arrange_params *params,
                                    tz_layout *l);
 
+/** The part of a layout of that size to render: the crop, or all of it.
+ * @return TZ_OK; TZ_INVALID (crop outside the layout) */
+TZ_API tz_status tz_crop_settle(tz_ctx *ctx, const int32_t size[2],
+                                const tz_compose_params *params, tz_rect *out);
+
 /** One image to make from a layout. */
 typedef struct tz_render_job {
     const tz_layout *layout;
