@@ -39,8 +39,10 @@ static void on_name(void *user, int32_t channel, const char *name)
 static void on_meta(void *user, const char *key, const char *value)
 {
     receiver *r = user;
-    if (r->status != TZ_OK || strncmp(key, "oiio:", 5) == 0)
-        return;
+    if (r->status != TZ_OK || strncmp(key, "oiio:", 5) == 0 ||
+        strcmp(key, "compression") == 0 || strcmp(key, "planarconfig") == 0 ||
+        (strcmp(key, "DateTime") == 0 && strncmp(value, "1970:01:01", 10) == 0))
+        return; /* how it was stored, and our own stand-in for a date */
     if (strcmp(key, "ImageDescription") != 0) {
         r->status = tz_image_set_meta(r->im, key, value);
         return;

@@ -130,6 +130,8 @@ int open_image(const tz_oiio_spec *s, tz_oiio_out **out, char *why, size_t n)
         if (s->tile > 0)
             o->spec.tile_width = o->spec.tile_height = s->tile;
         o->spec.attribute("compression", s->compression == 0 ? "none" : "zip");
+        /* else it would write the time of day, and no two files were alike */
+        o->spec.attribute("DateTime", "1970:01:01 00:00:00");
         o->spec.attribute("tiff:zipquality", s->compression > 0 ? s->compression : 1);
         o->spec.attribute("tiff:bigtiff",
                           int64_t(s->width) * s->height * s->channels * type.size() >

@@ -81,6 +81,13 @@ tz_status tz_sink_channels_rgba(tz_image_sink *sink, const tz_image *like)
         sink->map[colours] = (int8_t)like->alpha;
         sink->alpha = colours;
     }
+    if (sink->format->colour && colours == 1) {
+        int8_t grey = sink->map[0], alpha = sink->map[1];
+        sink->map[0] = sink->map[1] = sink->map[2] = grey;
+        sink->map[3] = alpha;
+        sink->channels += 2;
+        sink->alpha = like->alpha >= 0 ? 3 : -1;
+    }
     return TZ_OK;
 }
 
@@ -180,6 +187,10 @@ static void encode_row(const tz_image_sink *sink, tz_encoding from, const float 
                 v = tz_srgb_decode(v);
             *to++ = v;
         }
+        if (sink->format->associated && sink->alpha >= 0 &&
+            sink->encoding != TZ_ENCODING_DATA && from != TZ_ENCODING_DATA)
+            for (int32_t c = 0; c < sink->channels; c++)
+                to[c - sink->channels] *= c == sink->alpha ? 1 : p[sink->map[sink->alpha]];
     }
 }
 
@@ -239,6 +250,7 @@ static tz_status convert_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
                 sink->encoding == TZ_ENCODING_DATA;
     for (int32_t c = 0; c < sink->channels; c++)
         same = same && sink->map[c] == c;
+    same = same && !(sink->format->associated && sink->alpha >= 0);
     if (same && sink->channels == sink->in_channels) {
         pack(sink->type, p, (int64_t)sink->width * sink->channels, to);
         return TZ_OK;
@@ -308,9 +320,9 @@ static tz_status keep_names(tz_image_sink *sink, const tz_image *like)
     static const char *const usual[4] = {"Y", "YA", "RGB", "RGBA"};
     for (int32_t c = 0; c < sink->channels; c++) {
         char *name = sink->names[c];
-        if (like->names && like->names[sink->map[c]][0])
+        if (!sink->format->colour && like->names && like->names[sink->map[c]][0])
             memcpy(name, like->names[sink->map[c]], sizeof *sink->names);
-        else if (sink->channels <= 4)
+        else if (sink->format->colour || sink->channels <= 4)
             name[0] = usual[sink->channels - 1][c];
         else
             snprintf(name, sizeof *sink->names, "c%d", c);
@@ -342,7 +354,8 @@ static tz_status check_options(tz_image_sink *sink, const tz_image_write_options
 {
     sink->compression = opt->compression < 0 ? 1 : opt->compression;
     sink->quality = opt->quality == 0 ? 95 : opt->quality;
-    sink->tile = opt->tile == 0 ? 256 : opt->tile;
+    /* very wide pictures: smaller tiles, so that a row of them stays small */
+    sink->tile = opt->tile ? opt->tile : sink->width > 200000 ? 64 : 256;
     if (sink->compression > 9 || sink->quality < 1 || sink->quality > 100)
         return tz_fail(sink->ctx, TZ_INVALID,
                        "%s: compression %d or quality %d is out of range; 0 to 9 and 1 to "

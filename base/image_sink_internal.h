@@ -14,6 +14,8 @@ typedef struct tz_sink_format {
     tz_sample_type automatic; /**< what AUTO means */
     unsigned types;           /**< bits 1 << TZ_SAMPLE_... */
     bool gathered;            /**< the library wants the whole picture at once */
+    bool colour;              /**< no grey: written as three equal channels */
+    bool associated;          /**< colour is stored multiplied by alpha */
     /** Channel rule: sets sink->channels, map, alpha; TZ_UNSUPPORTED with a message. */
     tz_status (*channels)(tz_image_sink *sink, const tz_image *like);
     /** Starts the file; may set sink->band_rows (0 = not yet chosen). */
