@@ -14,6 +14,7 @@ typedef struct values {
     tz_output_params output;
     arrange_params own;
     tz_rules_params rules;
+    tz_growth_params growth;
     tz_arrange_params arrange;
     tz_ebpt_params analyze;
 } values;
@@ -102,7 +103,7 @@ static tz_status run(tz_cli *cli)
         return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
     tz_status s = tz_exemplars_read(cli, &record, &e);
     if (s == TZ_OK)
-        s = tz_arrange_settle(cli, &e, &v->arrange);
+        s = tz_arrange_settle(cli, &e, v->growth.grow, &v->arrange);
     if (s == TZ_OK)
         s = read_guides(cli, v, &record, &e, &l);
     if (s == TZ_OK)
@@ -140,6 +141,7 @@ static const tz_option_group groups[] = {
     {&tz_output_param_table, offsetof(values, output), false},
     {&own_table, offsetof(values, own), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
+    {&tz_growth_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
 };

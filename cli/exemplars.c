@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/exemplars.h"
 
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -12,6 +13,14 @@ static const tz_param rules_rows[] = {
 };
 const tz_param_table tz_rules_param_table = {"rules", "Procedural rules.", rules_rows, 1,
                                              sizeof(tz_rules_params)};
+
+static const tz_param growth_rows[] = {
+    {"grow", TZ_PARAM_DOUBLE, offsetof(tz_growth_params, grow), 0.01, 10000, "4", "",
+     NULL,
+     "Where --size is not given: the layout's sides are the first photo's times this."},
+};
+const tz_param_table tz_growth_param_table = {"growth", "Size without --size.",
+                                              growth_rows, 1, sizeof(tz_growth_params)};
 
 bool tz_path_is_svg(const char *path)
 {
@@ -104,22 +113,23 @@ void tz_exemplars_free(tz_cli *cli, tz_exemplars *e)
     *e = (tz_exemplars){0};
 }
 
-tz_status tz_arrange_settle(tz_cli *cli, const tz_exemplars *e, tz_arrange_params *p)
+tz_status tz_arrange_settle(tz_cli *cli, const tz_exemplars *e, double grow,
+                            tz_arrange_params *p)
 {
     const tz_image *photo = &e->v[0].photo;
-    if (!tz_cli_given(cli, "size")) {
-        if (photo->width > TZ_IMAGE_MAX_SIDE / 4 || photo->height > TZ_IMAGE_MAX_SIDE / 4)
-            return tz_fail(cli->ctx, TZ_LIMIT,
-                           "%s: four times %d x %d pixels is too large; "
-                           "give a --size of at most %d a side",
-                           e->v[0].path, photo->width, photo->height, TZ_IMAGE_MAX_SIDE);
-        p->size[0] = 4 * photo->width;
-        p->size[1] = 4 * photo->height;
-    } else if (p->size[0] < 1 || p->size[1] < 1) {
-        return tz_fail(cli->ctx, TZ_INVALID, "--size %dx%d: must be at least 1x1",
-                       p->size[0], p->size[1]);
-    }
+    double w = fmax(1, rint(photo->width * grow)),
+           h = fmax(1, rint(photo->height * grow));
     if (tz_cli_given(cli, "rotation") && !tz_cli_given(cli, "rotate-auto"))
         p->rotate_auto = false;
+    if (tz_cli_given(cli, "size"))
+        return TZ_OK;
+    if (w > TZ_IMAGE_MAX_SIDE || h > TZ_IMAGE_MAX_SIDE)
+        return tz_fail(
+            cli->ctx, TZ_LIMIT,
+            "%s: %g times %d x %d pixels is too large; give a --size of at most "
+            "%d a side",
+            e->v[0].path, grow, photo->width, photo->height, TZ_IMAGE_MAX_SIDE);
+    p->size[0] = (int32_t)w;
+    p->size[1] = (int32_t)h;
     return TZ_OK;
 }

@@ -13,6 +13,12 @@ typedef struct tz_rules_params {
 } tz_rules_params;
 extern const tz_param_table tz_rules_param_table;
 
+/** Table: tz_growth_param_table. */
+typedef struct tz_growth_params {
+    double grow;
+} tz_growth_params;
+extern const tz_param_table tz_growth_param_table;
+
 /** The operands as sources, in their order. */
 typedef struct tz_exemplars {
     tz_source *v;
@@ -33,8 +39,9 @@ void tz_exemplars_free(tz_cli *cli, tz_exemplars *e);
 
 /** Whether a path names an SVG document. */
 bool tz_path_is_svg(const char *path);
-/** Size of the layout: as given, else four times the first exemplar's sides. Switches the
- * automatic rotation off where a rotation is given. */
-tz_status tz_arrange_settle(tz_cli *cli, const tz_exemplars *e, tz_arrange_params *p);
+/** Size of the layout: as given, else the first exemplar's sides times `grow`. Switches
+ * the automatic rotation off where a rotation is given. */
+tz_status tz_arrange_settle(tz_cli *cli, const tz_exemplars *e, double grow,
+                            tz_arrange_params *p);
 
 #endif

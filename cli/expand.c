@@ -20,6 +20,7 @@ typedef struct values {
     expand_params own;
     tz_maps_params maps;
     tz_rules_params rules;
+    tz_growth_params growth;
     tz_arrange_params arrange;
     tz_ebpt_params analyze;
     tz_compose_params compose;
@@ -173,7 +174,7 @@ static tz_status prepare(job *j)
     if (s == TZ_OK)
         s = tz_record_rules(cli, &j->record, v->rules.rules);
     if (s == TZ_OK)
-        s = tz_arrange_settle(cli, &j->exemplars, &v->arrange);
+        s = tz_arrange_settle(cli, &j->exemplars, v->growth.grow, &v->arrange);
     return s == TZ_OK ? plan(j) : s;
 }
 
@@ -218,6 +219,7 @@ static const tz_option_group groups[] = {
     {&own_table, offsetof(values, own), false},
     {&tz_maps_param_table, offsetof(values, maps), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
+    {&tz_growth_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
     {&tz_compose_param_table, offsetof(values, compose), true},
@@ -244,7 +246,8 @@ const tz_command tz_expand_command = {
     .about =
         "Finds out what the photos are made of, arranges copies of those pieces over the "
         "texture, and renders them without seams: analyze, arrange and render in one go. "
-        "Without --size the texture has four times the sides of the first photo.\n\n"
+        "Without --size the texture has four times the sides of the first photo (see "
+        "--grow).\n\n"
         "A photo may also be an exemplar that analyze has written (its name ends in "
         ".svg). "
         "Several photos mix in one texture; --rules says where each of them goes.",

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Expands three real photos to 2048 x 2048 pixels as PNG and EXR, with a contact sheet of
+# each (exemplar beside result), and prints the paths and the times.
+#
+#   tests/demo.sh BUILDDIR
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+build=$(cd "${1:?use: tests/demo.sh BUILDDIR}" && pwd) || exit 1
+terrazzo=$build/bin/terrazzo
+out=$build/demo
+. "$here/photos.sh"
+
+[ -x "$terrazzo" ] || { echo "demo: $terrazzo is not there; build it first" >&2; exit 1; }
+mkdir -p "$out" || exit 1
+
+if fetch_photos "$build/cache/photos" >/dev/null; then
+    photos=("$build/cache/photos/rocks.jpg" "$build/cache/photos/gravel.png"
+        "$build/cache/photos/mossy_bark.jpg")
+    echo "demo: photos from Debian's package archive (tuxpaint-data, python3-skimage)"
+else
+    photos=("$here"/../data/exemplars/{stones,bricks,mud}.png)
+    echo "demo: the package archive cannot be reached; these exemplars are drawn by Terrazzo"
+fi
+
+# run COMMAND... : runs it quietly, leaves the seconds that it took in $seconds
+run() {
+    local start end
+    start=$(date +%s%N)
+    "$@" --quiet || { echo "demo: failed: $*" >&2; exit 1; }
+    end=$(date +%s%N)
+    seconds=$(((end - start) / 10000000))
+    seconds=$(printf '%d.%02d' $((seconds / 100)) $((seconds % 100)))
+}
+
+for photo in "${photos[@]}"; do
+    name=$(basename "${photo%.*}")
+    run "$terrazzo" expand "$photo" -o "$out/$name.png" --size 2048x2048 --seed 7
+    png=$seconds
+    run "$terrazzo" expand "$photo" -o "$out/$name.exr" --size 2048x2048 --seed 7
+    exr=$seconds
+    run "$terrazzo" sheet "$photo" "$out/$name.png" -o "$out/${name}_sheet.png" \
+        --cell 1024x1024 --labels "$name, the exemplar|2048 x 2048 px, $png s"
+    printf '%s s  %s\n%s s  %s\n        %s\n' "$png" "$out/$name.png" "$exr" \
+        "$out/$name.exr" "$out/${name}_sheet.png"
+    sheet+=("$photo" "$out/$name.png")
+    labels+="${labels:+|}$name, the exemplar|2048 x 2048 px, $png s"
+done
+run "$terrazzo" sheet "${sheet[@]}" -o "$out/sheet.png" --cell 768x768 --labels "$labels"
+echo "all together: $out/sheet.png"

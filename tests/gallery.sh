@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# All exemplars beside their textures (four times the area), with the figures of `terrazzo
+# compare`: one HTML page, and a PNG sheet for each exemplar and for all together.
+#
+#   tests/gallery.sh BUILDDIR [PHOTOS]
+#
+# PHOTOS is a folder of images. Default: ../shared/exemplars/photos beside the repository if
+# it is there, else the demo's photos, else the exemplars that Terrazzo draws.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+build=$(cd "${1:?use: tests/gallery.sh BUILDDIR [PHOTOS]}" && pwd) || exit 1
+terrazzo=$build/bin/terrazzo
+out=$build/gallery
+. "$here/photos.sh"
+
+[ -x "$terrazzo" ] || { echo "gallery: $terrazzo is not there; build it first" >&2; exit 1; }
+mkdir -p "$out" || exit 1
+
+folder=${2:-$here/../../shared/exemplars/photos}
+if [ ! -d "$folder" ]; then
+    folder=$build/cache/photos
+    fetch_photos "$folder" >/dev/null || folder=$here/../data/exemplars
+fi
+shopt -s nullglob
+photos=("$folder"/*.{jpg,png})
+[ ${#photos[@]} -gt 0 ] || { echo "gallery: no images in $folder" >&2; exit 1; }
+
+page=$out/index.html
+cat >"$page.part" <<'HTML'
+<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>Terrazzo: gallery</title>
+<style>body{font:15px sans-serif;margin:2em;background:#f6f5f2;color:#222}
+figure{display:inline-block;margin:0 1em 1em 0;vertical-align:top}img{display:block}
+td,th{padding:.2em .8em;text-align:right}td:first-child,th:first-child{text-align:left}
+</style><h1>Terrazzo: exemplars and their textures</h1>
+<p>Each texture has twice the sides of its exemplar, both shown at the same scale; a click
+opens the texture. Ratios: 1 = the texture differs from its exemplar as two halves of the
+exemplar differ.</p>
+HTML
+# figure NAME JSON : the first number of that name, to two places
+figure() {
+    local v
+    v=$(printf '%s\n' "$2" | sed -n "s/^ *\"$1\": \([-+0-9.eE]*\),*\$/\1/p" | head -n 1)
+    if [ -n "$v" ]; then printf '%.2f' "$v"; else printf -- '-'; fi
+}
+
+rows= sections= failed=0 sheet=() labels=
+for photo in "${photos[@]}"; do
+    name=$(basename "${photo%.*}")
+    # twice the sides = four times the exemplar's area
+    made=$("$terrazzo" expand "$photo" -o "$out/$name.png" --grow 2 --seed 7 --quiet \
+        --json) || { failed=$((failed + 1)); continue; }
+    figures=$("$terrazzo" compare "$photo" "$out/$name.png" --heat "$out/${name}_heat.png" \
+        --json) || figures='{}'
+    "$terrazzo" sheet "$photo" "$out/$name.png" "$out/${name}_heat.png" --quiet \
+        -o "$out/${name}_sheet.png" --columns 3 --cell 800x800 || failed=$((failed + 1))
+    line=
+    for key in score patch orientation correlation sharpness repetition periodicity seam \
+        broken; do
+        line+="</td><td>$(figure "$key" "$figures")"
+    done
+    line+="</td><td>$(figure total "$made")"
+    score=$(figure score "$figures")
+    rows+="<tr><td><a href=\"#$name\">$name</a>$line</td></tr>"$'\n'
+    sections+="<h2 id=\"$name\">$name</h2><a href=\"$name.png\">
+<img src=\"${name}_sheet.png\" alt=\"$name beside its texture and where it is weak\"></a>"$'\n'
+    sheet+=("$photo" "$out/$name.png")
+    labels+="${labels:+|}$name|score $score"
+    printf '%-24s score %s\n' "$name" "$score"
+done
+{
+    cat "$page.part"
+    echo '<table><tr><th>exemplar</th><th>score</th><th>patch</th><th>orientation</th>'
+    echo '<th>correlation</th><th>sharpness</th><th>repetition</th><th>periodicity</th>'
+    echo "<th>seam</th><th>broken</th><th>seconds</th></tr>$rows</table>"
+    echo "$sections</html>"
+} >"$page"
+rm -f "$page.part"
+if [ ${#sheet[@]} -gt 0 ]; then
+    "$terrazzo" sheet "${sheet[@]}" -o "$out/sheet.png" --columns 6 --cell 480x480 \
+        --labels "${labels:0:1000}" --quiet || failed=$((failed + 1))
+fi
+echo "gallery: $page"
+[ "$failed" -eq 0 ] || { echo "gallery: $failed steps failed" >&2; exit 1; }
