@@ -97,8 +97,9 @@ tz_status tz_layout_add(tz_layout *l, int32_t source, int32_t group, tz_affine m
                       .border = l->border.n,
                       .points = n,
                       .medium = TZ_MEDIUM_EDGE_GROUP};
-    memcpy(l->border.v + l->border.n, border, (size_t)n * sizeof *border);
-    l->border.n += n;
+    for (int32_t i = 0; i < n;
+         i++) /* + 0 turns -0, which documents do not keep, into 0 */
+        l->border.v[l->border.n++] = (tz_point){border[i].x + 0.0f, border[i].y + 0.0f};
     if (id)
         *id = l->place.n;
     l->place.v[l->place.n++] = p;

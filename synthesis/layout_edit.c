@@ -137,7 +137,7 @@ tz_status tz_layout_edit_place(tz_layout_edit *e, int32_t source, int32_t group,
 
 tz_status tz_layout_edit_map(tz_layout_edit *e, int32_t id, tz_affine map, tz_rect *dirty)
 {
-    record r;
+    record r = {0};
     tz_affine inverse;
     tz_status st = begin(e, id, &r);
     if (st)
@@ -151,7 +151,7 @@ tz_status tz_layout_edit_map(tz_layout_edit *e, int32_t id, tz_affine map, tz_re
 
 tz_status tz_layout_edit_move(tz_layout_edit *e, int32_t id, tz_vec2 by, tz_rect *dirty)
 {
-    record r;
+    record r = {0};
     tz_status st = begin(e, id, &r);
     if (st)
         return st;
@@ -164,7 +164,7 @@ tz_status tz_layout_edit_move(tz_layout_edit *e, int32_t id, tz_vec2 by, tz_rect
 /** The placement's map, then the linear map (a b c d) about its centre. */
 static tz_status about_centre(tz_layout_edit *e, int32_t id, tz_affine q, tz_rect *dirty)
 {
-    record r;
+    record r = {0};
     tz_status st = begin(e, id, &r);
     if (st)
         return st;
@@ -196,7 +196,7 @@ tz_status tz_layout_edit_scale(tz_layout_edit *e, int32_t id, double factor,
 
 tz_status tz_layout_edit_remove(tz_layout_edit *e, int32_t id, tz_rect *dirty)
 {
-    record r;
+    record r = {0};
     tz_status st = begin(e, id, &r);
     if (st)
         return st;

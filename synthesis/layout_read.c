@@ -19,7 +19,7 @@
 #include "synthesis/layout_internal.h"
 
 #define MAX_DEPTH 300
-#define MAX_STEPS 20000000
+#define MAX_STEPS 8000000
 
 typedef struct use_frame {
     tz_svg_node target;
