@@ -110,7 +110,7 @@ static tz_status find_regions(const tz_tensor *t, float *response, tz_ebpt *e, i
     full = tz_scale_full(response, (int64_t)e->width * e->height);
     if (full < LEAST_RESPONSE) full = LEAST_RESPONSE;
     const double share = e->params.merge > 0 ? 0.2 : 1;
-    const double step = fmax(e->params.groups > 0 ? 2 : 4, share * e->scale);
+    const double step = fmax(e->params.groups > 0 ? 2 : 5, share * e->scale);
     if ((s = tz_superpixels(e->ctx, response, e->width, e->height, full, step, e->label,
                             count)) != TZ_OK)
         return s;

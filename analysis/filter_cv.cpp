@@ -5,15 +5,6 @@
 
 #include "base/guard.hpp"
 
-extern "C" tz_status tz_cv_lab(tz_ctx *ctx, float *rgb, int32_t n, bool linear)
-{
-    return tz_guard(ctx, "Lab", [&]() -> tz_status {
-        cv::Mat m(1, n, CV_32FC3, rgb), lab(1, n, CV_32FC3, rgb);
-        cv::cvtColor(m, lab, linear ? cv::COLOR_LRGB2Lab : cv::COLOR_RGB2Lab);
-        return TZ_OK;
-    });
-}
-
 extern "C" tz_status tz_cv_blur(tz_ctx *ctx, float *src, float *dst, int32_t width,
                                 int32_t height, int32_t y0, int32_t y1, double sigma)
 {

@@ -10,10 +10,6 @@ extern "C" {
 
 #include "base/ctx.h"
 
-/** Interleaved RGB in [0, 1], n pixels, to CIE Lab (D65), in place.
- * @param linear  linear light; else sRGB-encoded */
-tz_status tz_cv_lab(tz_ctx *ctx, float *rgb, int32_t n, bool linear);
-
 /** Gaussian blur of rows y0 .. y1 - 1 of one dense plane; rows outside the band are read,
  * so that bands join without a trace. Borders are mirrored.
  * @param[out] dst  plane of the same size, rows y0 .. y1 - 1 written */

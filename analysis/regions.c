@@ -14,7 +14,7 @@
  *
  * so that crumbs join before halves of things do, along long borders before along short
  * ones. The cheapest arc is merged first (binary heap; stale entries are recognised by
- * their stamp); ties go by the smaller ids. When as many regions are left as the scale of
+ * their regions' versions); ties go by the smaller ids. When as many regions are left as the scale of
  * the structure asks for, only borders that are hardly there are still removed.
  *
  * Then joints are dissolved (joints.c): each stone gets its half of the mortar. */
@@ -34,7 +34,6 @@ typedef struct arc {
     int32_t length;  /* pixel pairs on the border */
     double sum;      /* of responses there */
     double light;    /* of lightness there */
-    int32_t stamp;   /* of the heap entry that is current */
 } arc;
 
 typedef struct node {
@@ -44,17 +43,20 @@ typedef struct node {
     int64_t perimeter;
     int32_t x0, y0, x1, y1;
     int32_t parent;   /* itself while it lives */
+    int32_t version;  /* number of unions so far */
 } node;
 
 typedef struct entry {
-    double cost;
-    int32_t a, b, stamp; /* a < b */
+    double cost, strength;
+    int32_t a, b; /* a < b */
+    int32_t version_a, version_b;
 } entry;
 
 typedef struct graph {
     tz_ctx *ctx;
     const tz_region_options *opt;
-    int32_t channels, n, alive, stamp;
+    int32_t channels, n, alive;
+    double limit;  /* arcs stronger than this are never queued */
     double spread; /* of the superpixels' colours */
     node *nodes;
     TZ_ARRAY(entry) heap;
@@ -171,7 +173,7 @@ static tz_status build(graph *g, const tz_region_picture *in, const int32_t *lab
     qsort(t.slot, (size_t)n, sizeof *t.slot, by_pair);
     for (int64_t i = 0; i < n; i++) {
         const int32_t a = (int32_t)(t.slot[i].pair >> 32), b = (int32_t)t.slot[i].pair;
-        arc to_b = {b, t.slot[i].length, t.slot[i].sum, t.slot[i].light, 0}, to_a = to_b;
+        arc to_b = {b, t.slot[i].length, t.slot[i].sum, t.slot[i].light}, to_a = to_b;
         to_a.to = a;
         g->nodes[a].perimeter += to_b.length;
         g->nodes[b].perimeter += to_b.length;
@@ -249,13 +251,11 @@ static double strength(const graph *g, const node *a, const node *b, const arc *
     return 0.8 * (border + line / spread) + 0.3 * colour_distance(g, a, b) / spread;
 }
 
-static double arc_cost(const graph *g, int32_t i, int32_t j, const arc *e)
+static double arc_cost(const graph *g, const node *a, const node *b, const arc *e, double s)
 {
-    const node *a = &g->nodes[i], *b = &g->nodes[j];
     const double thing = 0.75 * g->opt->scale * g->opt->scale;
     const double areas = 2.0 * (double)a->area * (double)b->area / (double)(a->area + b->area);
     const double least = (double)(a->perimeter < b->perimeter ? a->perimeter : b->perimeter);
-    const double s = strength(g, a, b, e);
     return s * sqrt(s) * sqrt(sqrt(areas / thing)) / (0.25 + e->length / least);
 }
 
@@ -266,13 +266,15 @@ static bool too_long(const graph *g, const node *a, const node *b)
     return x1 - x0 > g->opt->longest || y1 - y0 > g->opt->longest;
 }
 
-/* Puts the arc between i and j into the heap, as it is now. */
-static tz_status queue(graph *g, int32_t i, int32_t j)
+/* Puts an arc of i into the heap, as it is now. */
+static tz_status queue(graph *g, int32_t i, const arc *e)
 {
-    arc *p = find_arc(&g->nodes[i], j), *q = find_arc(&g->nodes[j], i);
-    p->stamp = q->stamp = ++g->stamp;
-    const int32_t a = i < j ? i : j, b = i < j ? j : i;
-    return heap_push(g, (entry){arc_cost(g, a, b, p), a, b, g->stamp});
+    const int32_t a = i < e->to ? i : e->to, b = i < e->to ? e->to : i;
+    const node *p = &g->nodes[a], *q = &g->nodes[b];
+    const double s = strength(g, p, q, e);
+    if (s > g->limit || too_long(g, p, q)) return TZ_OK; /* unions only make it longer */
+    const double cost = arc_cost(g, p, q, e, s);
+    return heap_push(g, (entry){cost, s, a, b, p->version, q->version});
 }
 
 /* b goes into a; the arcs of a are queued anew. */
@@ -314,8 +316,9 @@ static tz_status unite(graph *g, int32_t a, int32_t b)
     if (q->x1 > p->x1) p->x1 = q->x1;
     if (q->y1 > p->y1) p->y1 = q->y1;
     q->parent = a;
+    p->version++;
     g->alive--;
-    for (int32_t i = 0; i < p->arcs.n && s == TZ_OK; i++) s = queue(g, a, p->arcs.v[i].to);
+    for (int32_t i = 0; i < p->arcs.n && s == TZ_OK; i++) s = queue(g, a, &p->arcs.v[i]);
     return s;
 }
 
@@ -338,16 +341,13 @@ static double colour_spread(const graph *g)
 /* Down to `wanted` regions, and if `further`, on over borders that are hardly there. */
 static tz_status merge_cheapest(graph *g, int64_t wanted, bool further)
 {
-    const double weak = WEAK * g->opt->merge;
-    const double strong = further ? STRONG * g->opt->merge : INFINITY;
     tz_status s = TZ_OK;
     while (g->heap.n > 0 && (further || g->alive > wanted)) {
         const entry e = heap_pop(g);
-        node *a = &g->nodes[e.a], *b = &g->nodes[e.b];
+        const node *a = &g->nodes[e.a], *b = &g->nodes[e.b];
         if (a->parent != e.a || b->parent != e.b) continue;
-        const arc *p = find_arc(a, e.b);
-        if (!p || p->stamp != e.stamp || too_long(g, a, b)) continue;
-        if (strength(g, a, b, p) > (g->alive > wanted ? strong : weak)) continue;
+        if (a->version != e.version_a || b->version != e.version_b) continue;
+        if (g->alive <= wanted && e.strength > WEAK * g->opt->merge) continue;
         if ((s = unite(g, e.a, e.b)) != TZ_OK) break;
         if ((g->alive & 255) == 0 && tz_ctx_cancelled(g->ctx)) return TZ_CANCELLED;
     }
@@ -364,9 +364,10 @@ static tz_status merge_crumbs(graph *g, double least)
         double best = INFINITY;
         int32_t to = -1;
         for (int32_t k = 0; k < v->arcs.n; k++) {
-            const double cost = arc_cost(g, i, v->arcs.v[k].to, &v->arcs.v[k]);
-            if (to < 0 || cost < best || (cost == best && v->arcs.v[k].to < to))
-                best = cost, to = v->arcs.v[k].to;
+            const arc *e = &v->arcs.v[k];
+            const node *u = &g->nodes[e->to];
+            const double cost = arc_cost(g, v, u, e, strength(g, v, u, e));
+            if (to < 0 || cost < best || (cost == best && e->to < to)) best = cost, to = e->to;
         }
         if ((s = unite(g, to, i)) != TZ_OK) return s;
         if (g->nodes[to].area < least && to < i) i = to - 1; /* still a crumb */
@@ -383,8 +384,8 @@ static tz_status open_graph(graph *g, const tz_region_picture *in, const int32_t
     g->spread = colour_spread(g);
     for (int32_t i = 0; i < g->n; i++) {
         for (int32_t k = 0; k < g->nodes[i].arcs.n; k++) {
-            if (g->nodes[i].arcs.v[k].to < i) continue;
-            if ((s = queue(g, i, g->nodes[i].arcs.v[k].to)) != TZ_OK) return s;
+            const arc *e = &g->nodes[i].arcs.v[k];
+            if (e->to > i && (s = queue(g, i, e)) != TZ_OK) return s;
         }
     }
     return TZ_OK;
@@ -422,6 +423,7 @@ static void close_graph(graph *g)
     tz_free(g->ctx, g->nodes);
     tz_array_free(g->ctx, &g->heap);
     g->nodes = NULL;
+    g->spread = 0;
 }
 
 tz_status tz_regions_merge(tz_ctx *ctx, const tz_region_picture *in,
@@ -431,9 +433,11 @@ tz_status tz_regions_merge(tz_ctx *ctx, const tz_region_picture *in,
     const bool told = opt->wanted > 0;
     const double natural = (double)n / (0.7 * opt->scale * opt->scale);
     const int64_t wanted = told ? opt->wanted : (int64_t)natural + 1;
-    graph g = {.ctx = ctx, .opt = opt, .channels = in->channels, .n = *count, .alive = *count};
+    graph g = {.ctx = ctx, .opt = opt, .channels = in->channels};
     tz_status s;
 
+    g.limit = told ? INFINITY : STRONG * opt->merge;
+    g.n = g.alive = *count;
     if ((s = open_graph(&g, in, label)) != TZ_OK) goto done;
     if (opt->merge > 0) { /* joints will take their share */
         s = merge_cheapest(&g, told ? wanted + wanted / 4 : wanted, !told);
@@ -445,7 +449,8 @@ tz_status tz_regions_merge(tz_ctx *ctx, const tz_region_picture *in,
         s = tz_joints_dissolve(ctx, in->width, in->height, 0.3 * opt->scale, label, count);
         if (s != TZ_OK) goto done;
     }
-    g = (graph){.ctx = ctx, .opt = opt, .channels = in->channels, .n = *count, .alive = *count};
+    g.n = g.alive = *count;
+    g.limit = told ? INFINITY : -1; /* the heap serves told numbers only */
     if ((s = open_graph(&g, in, label)) != TZ_OK) goto done;
     const double crumb = opt->merge > 0 ? 0.08 * opt->scale * opt->scale : 0;
     if ((s = merge_crumbs(&g, fmax(crumb, opt->least))) != TZ_OK) goto done;
