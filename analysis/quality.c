@@ -13,7 +13,7 @@
 
 #define F(m) offsetof(tz_quality_params, m)
 static const tz_param rows[] = {
-    {"seed", TZ_PARAM_UINT64, F(seed), 0, 0, "1", "", NULL,
+    {"seed", TZ_PARAM_UINT64, F(seed), 0, 1.8e19, "1", "", NULL,
      "seed of the places and directions that are drawn"},
     {"tile", TZ_PARAM_BOOL, F(tile), 0, 1, "false", "", NULL,
      "the output is a tile: measure the seam across its wrap too"},
