@@ -24,11 +24,14 @@ typedef struct tz_quality {
     double orientation;   /**< orientation histogram distance ratio */
     double correlation;   /**< autocorrelation distance ratio */
     double sharpness;     /**< Laplacian energy, output / exemplar, two finest levels */
+    double sharpness_range; /**< factor by which the exemplar's own halves differ from it,
+                               1.1..1.35: what the score forgives of sharpness */
     double repetition;    /**< share 0..1 of 48 px patches that occur again elsewhere */
     double periodicity;   /**< 0..1: strongest off-centre autocorrelation peak beyond the
                                exemplar's own */
     double seam;          /**< strong straight discontinuities per px beyond the exemplar's */
-    double broken;        /**< loose ends of edges and ridges per length, / exemplar's */
+    double broken;        /**< loose ends of edges and ridges per length, / exemplar's; 1
+                               within the spread of the exemplar's own halves */
     double wrap;          /**< discontinuity across the wrap / inside; NAN if not asked */
     double score;         /**< 0..100, see the method note */
     double cost_patch, cost_structure, cost_sharpness, cost_repetition, cost_periodicity,

@@ -11,7 +11,8 @@
  *
  * with s measured along p's normal and with its sign, so that a line which turns gently
  * goes on and one of the opposite sense does not. A line that fades is not loose, nor is
- * one too short to have a back. broken = loose points per point, over the exemplar's. */
+ * one too short to have a back. broken = loose points per point, over the exemplar's; what
+ * lies between the lowest and the highest of the exemplar's halves counts as 1. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +38,7 @@ typedef struct line_job {
     float *v;
     float least[KINDS];             /* strength of a point */
     int64_t (*strength)[KINDS][BINS]; /* a band; NULL: count ends */
-    int64_t (*sum)[KINDS][2];       /* points, loose points, a band */
+    int64_t (*sum)[2][KINDS][2]; /* points, loose points, a band, left and right half */
 } line_job;
 
 typedef struct line_point {
@@ -112,8 +113,9 @@ static tz_status line_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
                 float ahead = follow(j, kind, x, y, d, REACH);
                 float back = follow(j, kind, x, y, d, -REACH);
                 float most = ahead > back ? ahead : back, rest = ahead > back ? back : ahead;
-                j->sum[i][kind][0]++;
-                j->sum[i][kind][1] += most >= HOLD * s && rest < GONE * s;
+                int64_t *sum = j->sum[i][x >= w / 2][kind];
+                sum[0]++;
+                sum[1] += most >= HOLD * s && rest < GONE * s;
             }
     return TZ_OK;
 }
@@ -131,9 +133,25 @@ static tz_status blur_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
                       (int32_t)i * TZ_QUALITY_BAND, tz_quality_band_end(i, j->f->h), SIGMA);
 }
 
-/* One pass over all crops: strengths into `strength`, or else points and ends into sum. */
+/* Points and loose points of the whole, left, right, top and bottom. */
+typedef struct line_count {
+    int64_t sum[5][KINDS][2];
+} line_count;
+
+static void add_band(line_count *o, int64_t sum[2][KINDS][2], bool top)
+{
+    for (int half = 0; half < 2; half++)
+        for (int kind = 0; kind < KINDS; kind++)
+            for (int k = 0; k < 2; k++) {
+                o->sum[0][kind][k] += sum[half][kind][k];
+                o->sum[1 + half][kind][k] += sum[half][kind][k];
+                o->sum[top ? 3 : 4][kind][k] += sum[half][kind][k];
+            }
+}
+
+/* One pass over all crops: strengths if `strength`, else points and ends into o. */
 static tz_status scan(tz_ctx *ctx, const tz_quality_picture *p, const float least[KINDS],
-                      int64_t strength[KINDS][BINS], int64_t sum[KINDS][2])
+                      int64_t strength[KINDS][BINS], line_count *o)
 {
     tz_status s = TZ_OK;
     for (int32_t c = 0; c < p->n && s == TZ_OK; c++) {
@@ -149,13 +167,13 @@ static tz_status scan(tz_ctx *ctx, const tz_quality_picture *p, const float leas
                          : tz_alloc_zero(ctx, &j.sum, (size_t)n, sizeof *j.sum);
         if (s == TZ_OK)
             s = tz_parallel_for(ctx, n, line_band, &j);
-        for (int64_t i = 0; i < n && s == TZ_OK; i++)
-            for (int kind = 0; kind < KINDS; kind++) {
-                for (int k = 0; k < BINS && strength; k++)
+        for (int64_t i = 0; i < n && s == TZ_OK; i++) {
+            if (!strength)
+                add_band(o, j.sum[i], 2 * i < n);
+            for (int kind = 0; kind < KINDS && strength; kind++)
+                for (int k = 0; k < BINS; k++)
                     strength[kind][k] += j.strength[i][kind][k];
-                for (int k = 0; k < 2 && !strength; k++)
-                    sum[kind][k] += j.sum[i][kind][k];
-            }
+        }
         tz_free(ctx, j.v);
         tz_free(ctx, j.strength);
         tz_free(ctx, j.sum);
@@ -163,10 +181,21 @@ static tz_status scan(tz_ctx *ctx, const tz_quality_picture *p, const float leas
     return s;
 }
 
+/* Loose points per point, mean of both kinds; 20 points and 1 end more steady small
+ * numbers. */
+static double looseness(const line_count *c, int part)
+{
+    double v = 0;
+    for (int kind = 0; kind < KINDS; kind++)
+        v += (double)(c->sum[part][kind][1] + 1) / (double)(c->sum[part][kind][0] + 20);
+    return v / KINDS;
+}
+
 tz_status tz_quality_lines(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
 {
     float least[KINDS] = {LEAST, LEAST};
-    int64_t e[KINDS][2] = {{0}}, o[KINDS][2] = {{0}}, (*strength)[BINS];
+    line_count e = {0}, o = {0};
+    int64_t(*strength)[BINS];
     tz_status s = tz_alloc_zero(ctx, &strength, KINDS, sizeof *strength);
     if (s == TZ_OK)
         s = scan(ctx, w->exemplar, least, strength, NULL);
@@ -181,17 +210,17 @@ tz_status tz_quality_lines(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
     }
     tz_free(ctx, strength);
     if (s == TZ_OK)
-        s = scan(ctx, w->exemplar, least, NULL, e);
+        s = scan(ctx, w->exemplar, least, NULL, &e);
     if (s == TZ_OK)
-        s = scan(ctx, w->output, least, NULL, o);
+        s = scan(ctx, w->output, least, NULL, &o);
     if (s != TZ_OK)
         return s;
-    /* mean of both kinds; 20 points and 1 end more on both sides steady small numbers */
-    q->broken = 0;
-    for (int kind = 0; kind < KINDS; kind++) {
-        double a = (double)(o[kind][1] + 1) / (double)(o[kind][0] + 20);
-        double b = (double)(e[kind][1] + 1) / (double)(e[kind][0] + 20);
-        q->broken += a / b / KINDS;
+    double lo = looseness(&e, 0), hi = lo, v = looseness(&o, 0);
+    for (int part = 1; part < 5; part++) {
+        double half = looseness(&e, part);
+        lo = half < lo ? half : lo;
+        hi = half > hi ? half : hi;
     }
+    q->broken = v > hi ? v / hi : v < lo ? v / lo : 1;
     return TZ_OK;
 }

@@ -25,7 +25,7 @@ tz_status tz_quality_patch(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
 tz_status tz_quality_orientation(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);
 /** correlation, periodicity. */
 tz_status tz_quality_correlation(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);
-/** sharpness. */
+/** sharpness, sharpness_range. */
 tz_status tz_quality_sharpness(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);
 /** repetition. */
 tz_status tz_quality_repetition(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);

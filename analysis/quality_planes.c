@@ -82,8 +82,8 @@ static tz_status convert_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
-static tz_status planes_from_image(tz_ctx *ctx, tz_quality_planes *p, const tz_image *im,
-                                   tz_rect r, int32_t n)
+tz_status tz_quality_planes_from_image(tz_ctx *ctx, tz_quality_planes *p,
+                                       const tz_image *im, tz_rect r, int32_t n)
 {
     tz_status s = tz_quality_planes_init(ctx, p, r.w, r.h, n);
     if (s != TZ_OK)
@@ -237,7 +237,7 @@ tz_status tz_quality_picture_init(tz_ctx *ctx, tz_quality_picture *p, const tz_i
     *p = (tz_quality_picture){0};
     choose_crops(p, im, crops, seed);
     for (int32_t i = 0; i < p->n && s == TZ_OK; i++) {
-        s = planes_from_image(ctx, &p->at[i].gauss[0], im, p->crop[i], planes);
+        s = tz_quality_planes_from_image(ctx, &p->at[i].gauss[0], im, p->crop[i], planes);
         if (s == TZ_OK)
             s = build_pyramid(ctx, &p->at[i]);
     }

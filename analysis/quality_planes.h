@@ -46,6 +46,10 @@ void tz_quality_planes_deinit(tz_quality_planes *p);
 /** Number of colour channels: 1 grey, 3 colour, else 0 (cannot be compared as colour). */
 int32_t tz_quality_colours(const tz_image *im);
 
+/** The part r of an image as n planes (1 or 3). @return TZ_OK; TZ_NOMEM; TZ_CANCELLED */
+tz_status tz_quality_planes_from_image(tz_ctx *ctx, tz_quality_planes *p,
+                                       const tz_image *im, tz_rect r, int32_t n);
+
 /** @param planes  1 or 3; a grey picture may be asked for 3 (two of them are zero)
  *  @param crops   most crops wanted (1: the largest single crop within the area)
  *  @return TZ_OK; TZ_NOMEM; TZ_CANCELLED */
