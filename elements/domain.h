@@ -23,12 +23,19 @@ static inline tz_vec3 tz_domain_vector(const tz_domain *d, tz_vec3 p, tz_vec3 q)
     return v;
 }
 
+/** x brought into [0, size). Rounding may take a point just below 0 to `size` itself. */
+static inline double tz_domain_wrap_axis(double x, double size)
+{
+    x -= floor(x / size) * size;
+    return x >= 0 && x < size ? x : 0;
+}
+
 /** Copy of p inside the rectangle on a torus; p itself on a plain domain. */
 static inline tz_vec3 tz_domain_wrap(const tz_domain *d, tz_vec3 p)
 {
     if (d->torus) {
-        p.x -= floor(p.x / d->size.x) * d->size.x;
-        p.y -= floor(p.y / d->size.y) * d->size.y;
+        p.x = tz_domain_wrap_axis(p.x, d->size.x);
+        p.y = tz_domain_wrap_axis(p.y, d->size.y);
     }
     return p;
 }
