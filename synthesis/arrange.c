@@ -222,6 +222,7 @@ static double compare(const grower *g, const overlap *o, const candidate *c)
     const float ox = (float)c->centre.x, oy = (float)c->centre.y;
     const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
     const float wmax = (float)f->width, hmax = (float)f->height;
+    const uint8_t flip = tz_map_flip(c->map);
     int32_t sum = 0, n = 0;
     for (int32_t k = 0; k < o->n; k++) {
         const float dx = o->x[k] - ox, dy = o->y[k] - oy;
@@ -229,7 +230,8 @@ static double compare(const grower *g, const overlap *o, const candidate *c)
         const float px = ux + ex, py = uy + ey;
         if (ux * ux + uy * uy > r2 || !(px >= 0 && py >= 0 && px < wmax && py < hmax))
             continue;
-        sum += tz_feature_distance(&o->f[k], &f->v[(int64_t)(int32_t)py * f->width + (int32_t)px]);
+        const tz_feature g1 = f->v[(int64_t)(int32_t)py * f->width + (int32_t)px];
+        sum += tz_feature_distance(o->f[k], tz_feature_mirror(g1, flip));
         n++;
     }
     return n ? (double)sum / n : 0;
@@ -277,29 +279,39 @@ static void keep(candidate best[BEST], int32_t *n, candidate c)
     best[at] = c;
 }
 
-static void draw_turn(const grower *g, const place *pl, int32_t exemplar, tz_vec2 at,
-                      tz_rng *rng, double *angle, double *scale, bool *mirror)
+/* Map that lays the star's centre on `at`, with a drawn turn, scale, stretch and mirror. A
+ * stretch of a few per cent is not seen, but makes that no two copies are alike. */
+static tz_affine draw_map(const grower *g, const place *pl, const tz_star *star, tz_vec2 at,
+                          tz_rng *rng)
 {
+    const int32_t exemplar = star->exemplar;
+    double angle, scale;
+    bool mirror;
     const tz_rule *r = pl->rule;
     const tz_freedom *f = &g->freedom[exemplar];
     const double u = tz_rng_unit(rng), w = tz_rng_unit(rng), m = tz_rng_unit(rng);
-    *mirror = false;
+    const double v = tz_rng_unit(rng);
+    mirror = false;
     if (!isnan(r->rotation[0]))
-        *angle = r->rotation[0] + u * (r->rotation[1] - r->rotation[0]);
+        angle = r->rotation[0] + u * (r->rotation[1] - r->rotation[0]);
     else if (!g->p.rotate_auto)
-        *angle = (g->p.rotation[0] + u * (g->p.rotation[1] - g->p.rotation[0])) * TZ_PI / 180;
+        angle = (g->p.rotation[0] + u * (g->p.rotation[1] - g->p.rotation[0])) * TZ_PI / 180;
     else
-        *angle = (2 * u - 1) * f->rotation;
+        angle = (2 * u - 1) * f->rotation;
     if (r->field >= 0)
-        *angle += tz_rules_field(g->rules, pl->rule_index, g->p.size[0], g->p.size[1], at);
+        angle += tz_rules_field(g->rules, pl->rule_index, g->p.size[0], g->p.size[1], at);
     const double *range = isnan(r->scale[0]) ? g->p.scale : r->scale;
-    *scale = range[0] * pow(range[1] / range[0], w);
+    scale = range[0] * pow(range[1] / range[0], w);
     if (g->p.mirror == 2 || (g->p.mirror == 0 && f->mirror_x))
-        *mirror = m < 0.5;
+        mirror = m < 0.5;
     if (g->p.mirror == 0 && f->mirror_y && !f->mirror_x && m < 0.5) {
-        *mirror = true; /* a mirrored copy turned half round is upside down */
-        *angle += TZ_PI;
+        mirror = true; /* a mirrored copy turned half round is upside down */
+        angle += TZ_PI;
     }
+    const double stretch = pow(range[1] / range[0], 0.6 * (v - 0.5));
+    const tz_affine squash = {stretch, 0, 0, 1 / stretch, star->centre.x * (1 - stretch),
+                              star->centre.y * (1 - 1 / stretch)};
+    return tz_affine_then(squash, tz_affine_place(star->centre, at, angle, scale, mirror));
 }
 
 static bool covers(const tz_star *s, const candidate *c, tz_vec2 v, double share)
@@ -319,8 +331,6 @@ static void try_star(const grower *g, const place *pl, int32_t id, tz_rng *rng, 
                      int32_t *n)
 {
     const tz_star *s = &g->stars.star.v[id];
-    double angle, scale;
-    bool mirror;
     const double u = tz_rng_unit(rng), w = tz_rng_unit(rng);
     const double length = tz_vec2_length(pl->towards) + 1e-9;
     const double r = s->mean_radius;
@@ -328,8 +338,7 @@ static void try_star(const grower *g, const place *pl, int32_t id, tz_rng *rng, 
     const double side = (w - 0.5) * 0.8 * r;
     tz_vec2 c = tz_vec2_add(pl->at, tz_vec2_scale(pl->towards, off / length));
     c.x -= pl->towards.y / length * side, c.y += pl->towards.x / length * side;
-    draw_turn(g, pl, s->exemplar, c, rng, &angle, &scale, &mirror);
-    candidate k = {id, false, tz_affine_place(s->centre, c, angle, scale, mirror), c, 0};
+    candidate k = {id, false, draw_map(g, pl, s, c, rng), c, 0};
     if (!covers(s, &k, pl->at, 0.85))
         return;
     k.score = pl->rule->structure == TZ_STRUCTURE_RANDOM ? 1000 * tz_rng_unit(rng)
@@ -366,11 +375,7 @@ static void try_neighbours(const grower *g, const place *pl, tz_rng *rng, candid
                 const tz_star *z = &g->stars.star.v[s->similar[m]];
                 if (!star_allowed(g, pl->rule, z))
                     continue;
-                double angle, scale;
-                bool mirror;
-                draw_turn(g, pl, z->exemplar, c.centre, rng, &angle, &scale, &mirror);
-                candidate d = {s->similar[m], false,
-                               tz_affine_place(z->centre, c.centre, angle, scale, mirror),
+                candidate d = {s->similar[m], false, draw_map(g, pl, z, c.centre, rng),
                                c.centre, 0};
                 if (!covers(z, &d, pl->at, 0.85))
                     continue;
@@ -423,20 +428,22 @@ static bool inside(const tz_star *s, const tz_grown *q, const float radius[TZ_RA
 }
 
 /* Feature that a layout point shows, through the piece that owns its cell. */
-static const tz_feature *shown(const void *user, double x, double y)
+static bool shown(const void *user, double x, double y, tz_feature *f)
 {
     const grower *g = user;
     const int64_t at = tz_canvas_at(&g->canvas, (int32_t)floor(x / TZ_CELL),
                                     (int32_t)floor(y / TZ_CELL));
     if (at < 0 || g->canvas.label[at] < 0)
-        return NULL;
+        return false;
     const tz_grown *q = grown(g, g->canvas.label[at]);
     if (g->p.tile) { /* over the nearest copy */
         x -= floor((x - q->centre.x) / g->p.size[0] + 0.5) * g->p.size[0];
         y -= floor((y - q->centre.y) / g->p.size[1] + 0.5) * g->p.size[1];
     }
     const tz_vec2 p = tz_affine_apply(q->inv, (tz_vec2){x, y});
-    return tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y);
+    *f = tz_feature_mirror(tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y),
+                           tz_map_flip(q->map));
+    return true;
 }
 
 static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
@@ -520,7 +527,7 @@ static tz_status grow_tile(tz_ctx *ctx, grower *g, int32_t strip, int32_t tile)
             const int64_t at = tz_canvas_at(c, i, j);
             if (c->label[at] < 0) { /* a cell that the border just misses */
                 c->label[at] = key;
-                c->feature[at] = *tz_feature_at(&g->map[s->exemplar], s->centre.x, s->centre.y);
+                c->feature[at] = tz_feature_at(&g->map[s->exemplar], s->centre.x, s->centre.y);
             }
         }
     return TZ_OK;

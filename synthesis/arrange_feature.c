@@ -7,7 +7,7 @@
 #include "synthesis/arrange_internal.h"
 
 /* How much each channel counts against the others. */
-static const double weight[TZ_FEATURES] = {1.0, 0.7, 0.7, 0.6, 0.7, 1.2, 0.8, 0.7};
+static const double weight[TZ_FEATURES] = {1.2, 0.7, 0.7, 0.7, 1.2, 0.8, 0.8, 0.8};
 
 typedef struct planes {
     int32_t w, h;
@@ -80,11 +80,11 @@ static void opponent(const tz_image *im, planes *p)
             const float *c = tz_image_at(im, x, y);
             const int64_t i = (int64_t)y * p->w + x;
             if (im->channels >= 3) {
-                p->p[TZ_FEATURE_FINE][i] = 0.3F * c[0] + 0.6F * c[1] + 0.1F * c[2];
+                p->p[TZ_FEATURE_L][i] = 0.3F * c[0] + 0.6F * c[1] + 0.1F * c[2];
                 p->p[TZ_FEATURE_A][i] = c[0] - c[1];
                 p->p[TZ_FEATURE_B][i] = 0.5F * (c[0] + c[1]) - c[2];
             } else {
-                p->p[TZ_FEATURE_FINE][i] = c[0];
+                p->p[TZ_FEATURE_L][i] = c[0];
                 p->p[TZ_FEATURE_A][i] = p->p[TZ_FEATURE_B][i] = 0;
             }
         }
@@ -119,18 +119,21 @@ static tz_status compute(tz_ctx *ctx, const tz_exemplar *ex, planes *p)
     draw_edges(ex->ebpt, q[TZ_FEATURE_EDGE]);
     for (int32_t y = 0; y < p->h; y++)
         for (int32_t x = 0; x < p->w; x++) {
-            const float *f = q[TZ_FEATURE_FINE] + (int64_t)y * p->w + x;
+            const int64_t i = (int64_t)y * p->w + x;
+            const float *f = q[TZ_FEATURE_L] + i;
             const float gx = x + 1 < p->w ? f[1] - f[0] : 0;
             const float gy = y + 1 < p->h ? f[p->w] - f[0] : 0;
-            q[TZ_FEATURE_BUSY][(int64_t)y * p->w + x] = sqrtf(gx * gx + gy * gy);
+            q[TZ_FEATURE_BUSY][i] = sqrtf(gx * gx + gy * gy);
+            q[TZ_FEATURE_ALONG][i] = gx * gx - gy * gy;
+            q[TZ_FEATURE_SLANT][i] = 2 * gx * gy;
         }
     static const struct {
         int in, out, radius;
     } pass[] = {
-        {TZ_FEATURE_FINE, TZ_FEATURE_L, 2},      {TZ_FEATURE_A, TZ_FEATURE_A, 2},
+        {TZ_FEATURE_L, TZ_FEATURE_L, 1},         {TZ_FEATURE_A, TZ_FEATURE_A, 2},
         {TZ_FEATURE_B, TZ_FEATURE_B, 2},         {TZ_FEATURE_BUSY, TZ_FEATURE_BUSY, 4},
-        {TZ_FEATURE_L, TZ_FEATURE_LINE, 8},      {TZ_FEATURE_L, TZ_FEATURE_REGION, 12},
-        {TZ_FEATURE_EDGE, TZ_FEATURE_EDGE, 2},
+        {TZ_FEATURE_L, TZ_FEATURE_LINE, 8},      {TZ_FEATURE_EDGE, TZ_FEATURE_EDGE, 2},
+        {TZ_FEATURE_ALONG, TZ_FEATURE_ALONG, 5}, {TZ_FEATURE_SLANT, TZ_FEATURE_SLANT, 5},
     };
     for (size_t k = 0; k < sizeof pass / sizeof pass[0] && s == TZ_OK; k++)
         s = box(ctx, p, q[pass[k].in], q[pass[k].out], pass[k].radius);
@@ -138,6 +141,12 @@ static tz_status compute(tz_ctx *ctx, const tz_exemplar *ex, planes *p)
         q[TZ_FEATURE_LINE][i] = q[TZ_FEATURE_L][i] - q[TZ_FEATURE_LINE][i];
         const float e = 5 * q[TZ_FEATURE_EDGE][i];
         q[TZ_FEATURE_EDGE][i] = e > 1 ? 1 : e;
+        /* by strength: near 0 where gradients are weak or go all ways */
+        const float c = q[TZ_FEATURE_ALONG][i], d = q[TZ_FEATURE_SLANT][i];
+        const float m = q[TZ_FEATURE_BUSY][i];
+        const float scale = 1 / (sqrtf(c * c + d * d) + m * m + 1e-4F);
+        q[TZ_FEATURE_ALONG][i] = c * scale;
+        q[TZ_FEATURE_SLANT][i] = d * scale;
     }
     return s;
 }
@@ -183,6 +192,7 @@ tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
             deviation = 0.01;
         scale.gain[f] = 40 * weight[f] / deviation;
     }
+    scale.mean[TZ_FEATURE_SLANT] = 0; /* mirroring flips bytes about the middle */
     /* faint colour must not count as much as strong lightness */
     for (int f = TZ_FEATURE_A; f <= TZ_FEATURE_B; f++)
         if (scale.gain[f] > 2.5 * scale.gain[TZ_FEATURE_L])
@@ -191,7 +201,7 @@ tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
         for (int64_t i = 0; i < (int64_t)p[k].w * p[k].h; i++)
             for (int f = 0; f < TZ_FEATURES; f++) {
                 const float v =
-                    (p[k].p[f][i] - (float)scale.mean[f]) * (float)scale.gain[f] + 128.5F;
+                    (p[k].p[f][i] - (float)scale.mean[f]) * (float)scale.gain[f] + 128.0F;
                 out[k].v[i].v[f] = (uint8_t)(v < 0 ? 0 : v > 255 ? 255 : v);
             }
 done:

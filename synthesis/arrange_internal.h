@@ -16,17 +16,18 @@
 
 /* ---- features --------------------------------------------------------------------- */
 
-/** Eight bytes a pixel, all unchanged by rotation, scaled so that a byte's difference
- * means about as much in each channel. */
+/** Eight bytes a pixel, scaled so that a byte's difference means about as much in each
+ * channel. Small turns leave all of them as they are; a mirror image changes the sign of
+ * TZ_FEATURE_SLANT. */
 enum {
-    TZ_FEATURE_L,      /**< lightness, mean of 4 px */
+    TZ_FEATURE_L,      /**< lightness, mean of 3 px */
     TZ_FEATURE_A,      /**< colour */
     TZ_FEATURE_B,
-    TZ_FEATURE_FINE,   /**< lightness at the pixel */
     TZ_FEATURE_BUSY,   /**< mean gradient magnitude */
-    TZ_FEATURE_LINE,   /**< lightness against its surroundings of 16 px: joints, cracks */
+    TZ_FEATURE_LINE,   /**< lightness against its surroundings of 17 px: joints, cracks */
     TZ_FEATURE_EDGE,   /**< closeness to an edge of the EBPT */
-    TZ_FEATURE_REGION, /**< lightness, mean of 24 px */
+    TZ_FEATURE_ALONG,  /**< direction of structure: cos of twice its angle, by strength */
+    TZ_FEATURE_SLANT,  /**< and sin */
     TZ_FEATURES
 };
 
@@ -113,28 +114,41 @@ typedef struct tz_grown {
     float border[TZ_BORDER]; /**< radii of its border, source px from the star's centre */
 } tz_grown;
 
-static inline const tz_feature *tz_feature_at(const tz_feature_map *f, double x, double y)
+/** Nearest feature to source px (x, y). */
+static inline tz_feature tz_feature_at(const tz_feature_map *f, double x, double y)
 {
     int32_t i = (int32_t)x, j = (int32_t)y;
     i = i < 0 ? 0 : i >= f->width ? f->width - 1 : i;
     j = j < 0 ? 0 : j >= f->height ? f->height - 1 : j;
-    return &f->v[(int64_t)j * f->width + i];
+    return f->v[(int64_t)j * f->width + i];
 }
 
 /** Sum of absolute differences of two features, 0 .. 2040. */
-static inline int32_t tz_feature_distance(const tz_feature *a, const tz_feature *b)
+static inline int32_t tz_feature_distance(tz_feature a, tz_feature b)
 {
 #if defined(__SSE2__)
-    return _mm_cvtsi128_si32(_mm_sad_epu8(_mm_loadl_epi64((const __m128i *)a->v),
-                                          _mm_loadl_epi64((const __m128i *)b->v)));
+    return _mm_cvtsi128_si32(_mm_sad_epu8(_mm_loadl_epi64((const __m128i *)a.v),
+                                          _mm_loadl_epi64((const __m128i *)b.v)));
 #else
     int32_t s = 0;
     for (int k = 0; k < TZ_FEATURES; k++) {
-        const int32_t d = (int32_t)a->v[k] - (int32_t)b->v[k];
+        const int32_t d = (int32_t)a.v[k] - (int32_t)b.v[k];
         s += d < 0 ? -d : d;
     }
     return s;
 #endif
+}
+
+/** The feature as its mirror image shows it, if `flip` is 0xff; itself if 0. */
+static inline tz_feature tz_feature_mirror(tz_feature f, uint8_t flip)
+{
+    f.v[TZ_FEATURE_SLANT] ^= flip;
+    return f;
+}
+
+static inline uint8_t tz_map_flip(tz_affine map)
+{
+    return tz_affine_det(map) < 0 ? 0xff : 0;
 }
 
 /** Direction of ray k of n. */
@@ -153,8 +167,8 @@ static inline tz_vec2 tz_ray(int k, int n)
 double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
                     tz_affine map, float radius[TZ_RAYS]);
 
-/** What a layout point shows now: its feature at full resolution, NULL in the void. */
-typedef const tz_feature *(*tz_shown)(const void *user, double x, double y);
+/** What a layout point shows now: its feature at full resolution; false in the void. */
+typedef bool (*tz_shown)(const void *user, double x, double y, tz_feature *f);
 
 /** Takes a seam from rays x rings to pixels: the same search in a band of a few px about
  * it, against what is shown at full resolution.

@@ -63,11 +63,11 @@ static void closed_path(const int32_t *cost, int rays, int rings, int32_t bend_c
 }
 
 /* Mismatch of two features along a seam; steps hide in busy places. */
-static int32_t mismatch(const tz_feature *old, const tz_feature *new)
+static int32_t mismatch(tz_feature old, tz_feature new)
 {
-    const int32_t busy = old->v[TZ_FEATURE_BUSY] < new->v[TZ_FEATURE_BUSY]
-                             ? old->v[TZ_FEATURE_BUSY]
-                             : new->v[TZ_FEATURE_BUSY];
+    const int32_t busy = old.v[TZ_FEATURE_BUSY] < new.v[TZ_FEATURE_BUSY]
+                             ? old.v[TZ_FEATURE_BUSY]
+                             : new.v[TZ_FEATURE_BUSY];
     return tz_feature_distance(old, new) * 256 / (192 + busy / 2);
 }
 
@@ -75,6 +75,7 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
                     tz_affine map, float radius[TZ_RAYS])
 {
     int32_t cost[TZ_RAYS][TZ_RINGS], miss[TZ_RAYS][TZ_RINGS];
+    const uint8_t flip = tz_map_flip(map);
     bool any = false;
     for (int ray = 0; ray < TZ_RAYS; ray++) {
         const tz_vec2 dir = tz_ray(ray, TZ_RAYS);
@@ -87,8 +88,8 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
                                             (int32_t)floor(q.y / TZ_CELL));
             int32_t m = -1;
             if (at >= 0 && canvas->label[at] >= 0) {
-                const tz_feature *old = &canvas->feature[at], *new = tz_feature_at(f, p.x, p.y);
-                m = mismatch(old, new);
+                m = mismatch(canvas->feature[at],
+                             tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip));
                 any = true;
             }
             miss[ray][ring] = m;
@@ -126,6 +127,7 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
     int32_t cost[TZ_BORDER * BAND];
     float centre[TZ_BORDER];
     uint8_t path[TZ_BORDER];
+    const uint8_t flip = tz_map_flip(map);
     for (int ray = 0; ray < TZ_BORDER; ray++) {
         const int i = ray / PER, j = (i + 1) % TZ_RAYS;
         const float t = (float)(ray % PER) / PER;
@@ -138,10 +140,13 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
             const double r = fmax(centre[ray] + ring - BAND / 2, 1);
             const tz_vec2 p = {star->centre.x + r * dir.x, star->centre.y + r * dir.y};
             const tz_vec2 q = tz_affine_apply(map, p);
-            const tz_feature *old = shown(user, q.x, q.y);
-            cost[ray * BAND + ring] =
-                VOID_COST / 4 * bare + (old ? mismatch(old, tz_feature_at(f, p.x, p.y)) : 0);
-            bare += !old;
+            tz_feature old;
+            const bool filled = shown(user, q.x, q.y, &old);
+            cost[ray * BAND + ring] = VOID_COST / 4 * bare;
+            if (filled)
+                cost[ray * BAND + ring] +=
+                    mismatch(old, tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip));
+            bare += !filled;
         }
     }
     closed_path(cost, TZ_BORDER, BAND, BEND_COST, path);
@@ -155,6 +160,7 @@ int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star
 {
     double x[TZ_BORDER], y[TZ_BORDER], y0 = INFINITY, y1 = -INFINITY;
     int32_t fresh = 0;
+    const uint8_t flip = tz_map_flip(g->map);
     for (int ray = 0; ray < TZ_BORDER; ray++) {
         const tz_vec2 dir = tz_ray(ray, TZ_BORDER);
         const tz_vec2 q =
@@ -186,7 +192,7 @@ int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star
                     g->inv, (tz_vec2){(i + 0.5) * TZ_CELL, (j + 0.5) * TZ_CELL});
                 fresh += canvas->label[at] < 0;
                 canvas->label[at] = key;
-                canvas->feature[at] = *tz_feature_at(f, p.x, p.y);
+                canvas->feature[at] = tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip);
             }
     }
     return fresh;
