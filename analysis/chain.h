@@ -11,12 +11,11 @@
 extern const int8_t tz_chain_dx[8], tz_chain_dy[8];
 
 /** Links the map's pixels into chains that are split at branchings, and appends them to
- * e->edge and e->code, in raster order of their start; features are left zero. A branching
- * pixel ends all the chains that meet there; a closed curve starts and ends in its first
- * pixel.
- * Twigs (a loose end closer than min_length to a branching) are cut off `m` first, so that
- * they do not break the long chain that they hang on; chains shorter than min_length are
- * dropped.
+ * e->edge and e->code, in raster order of their start; features are left zero. A
+ * branching pixel ends all the chains that meet there; a closed curve starts and ends in
+ * its first pixel. Twigs (a loose end closer than min_length to a branching) are cut off
+ * `m` first, so that they do not break the long chain that they hang on; chains shorter
+ * than min_length are dropped.
  * @param m  thinned; twigs are removed from it
  * @return TZ_OK; TZ_NOMEM; on error e->edge and e->code hold any part */
 tz_status tz_chain_link(tz_edge_map *m, double min_length, tz_ebpt *e);

@@ -66,8 +66,8 @@ static void set_colour(tz_svg_writer *w, const char *name, int32_t id)
     const double hue = fmod(id * 0.61803398874989485, 1) * 6, f = hue - floor(hue);
     const int32_t lo = 64, hi = 255, up = lo + (int32_t)(f * (hi - lo));
     const int32_t down = hi + lo - up;
-    const int32_t rgb[6][3] = {{hi, up, lo}, {down, hi, lo}, {lo, hi, up},
-                               {lo, down, hi}, {up, lo, hi}, {hi, lo, down}};
+    const int32_t rgb[6][3] = {{hi, up, lo},   {down, hi, lo}, {lo, hi, up},
+                               {lo, down, hi}, {up, lo, hi},   {hi, lo, down}};
     const int32_t *c = rgb[(int32_t)hue % 6];
     tz_svg_setf(w, name, "#%02x%02x%02x", (unsigned)c[0], (unsigned)c[1], (unsigned)c[2]);
 }
@@ -141,8 +141,8 @@ static tz_status write_group(tz_ctx *ctx, tz_svg_writer *w, text *t, const tz_eb
         if (s == TZ_OK && g->cells > 0)
             tz_svg_set(w, "tz:cells", t->v);
         if (s == TZ_OK && g->cells > 0)
-            s = set_ids(ctx, w, t, "tz:members", e->cell_edge.v + e->cell.v[g->cell].first,
-                        g->edges);
+            s = set_ids(ctx, w, t, "tz:members",
+                        e->cell_edge.v + e->cell.v[g->cell].first, g->edges);
     }
     tz_svg_end(w);
     return s;
@@ -150,7 +150,8 @@ static tz_status write_group(tz_ctx *ctx, tz_svg_writer *w, text *t, const tz_eb
 
 static tz_status write_regions(tz_ctx *ctx, tz_svg_writer *w, text *t, const tz_ebpt *e)
 {
-    const double meta[4] = {e->meta.centre.x, e->meta.centre.y, e->meta.angle, e->meta.reach};
+    const double meta[4] = {e->meta.centre.x, e->meta.centre.y, e->meta.angle,
+                            e->meta.reach};
     uint8_t *seen = NULL;
     tz_status s = tz_alloc_zero(ctx, &seen, (size_t)e->width * e->height, 1);
     if (s != TZ_OK)
@@ -200,7 +201,8 @@ static tz_status chain_path(tz_ctx *ctx, text *t, const tz_ebpt *e, const tz_edg
     return st;
 }
 
-static tz_status write_edge(tz_ctx *ctx, tz_svg_writer *w, text *t, const tz_ebpt *e, int32_t id)
+static tz_status write_edge(tz_ctx *ctx, tz_svg_writer *w, text *t, const tz_ebpt *e,
+                            int32_t id)
 {
     const tz_edge *d = &e->edge.v[id];
     const double ends[6] = {d->end[0].x, d->end[0].y, d->end_angle[0],

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The exemplar document, read: nothing in it is believed. Ids must be complete and unique,
- * outlines must tile the photo and be 4-connected, chains must stay inside it, lists must
- * agree with each other; else the message names the line. */
+/* The exemplar document, read: nothing in it is believed. Ids must be complete and
+ * unique, outlines must tile the photo and be 4-connected, chains must stay inside it,
+ * lists must agree with each other; else the message names the line. */
 #include <string.h>
 
 #include "analysis/chain.h"
@@ -20,7 +20,7 @@ typedef struct reader {
     tz_svg_node *line;   /* by edge */
     tz_svg_node head;    /* <g id="regions"> */
     tz_svg_node image;
-    int64_t sides;       /* pixel sides left for outlines */
+    int64_t sides; /* pixel sides left for outlines */
 } reader;
 
 /* ---- values ---------------------------------------------------------------------- */
@@ -38,14 +38,15 @@ static tz_status numbers(reader *r, tz_svg_node at, const char *attr, int32_t co
     if (!text && count < 0)
         return TZ_OK;
     if (!text)
-        return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s is missing", r->name, tz_svg_line(at),
-                       attr);
+        return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s is missing", r->name,
+                       tz_svg_line(at), attr);
     tz_status s = tz_svg_numbers(NULL, text, &r->n);
     if (s == TZ_INVALID || (s == TZ_OK && count >= 0 && r->n.n != count))
         return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s is not %s", r->name, tz_svg_line(at),
                        attr, count == 1 ? "a number" : "a list of numbers as written");
     if (s != TZ_OK)
-        return tz_fail(r->ctx, s, "%s:%d: %s is too long", r->name, tz_svg_line(at), attr);
+        return tz_fail(r->ctx, s, "%s:%d: %s is too long", r->name, tz_svg_line(at),
+                       attr);
     return TZ_OK;
 }
 
@@ -71,9 +72,10 @@ static tz_status two_integers(reader *r, tz_svg_node at, const char *attr, int32
                               int32_t hi_b, int32_t *a, int32_t *b)
 {
     tz_status s = numbers(r, at, attr, 2);
-    if (s == TZ_OK && (!integer(r->n.v[0], 0, hi_a, a) || !integer(r->n.v[1], 0, hi_b, b)))
-        s = tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s is out of range", r->name, tz_svg_line(at),
-                    attr);
+    if (s == TZ_OK &&
+        (!integer(r->n.v[0], 0, hi_a, a) || !integer(r->n.v[1], 0, hi_b, b)))
+        s = tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s is out of range", r->name,
+                    tz_svg_line(at), attr);
     return s;
 }
 
@@ -94,20 +96,21 @@ static tz_status one_point(reader *r, tz_svg_node at, const char *attr, tz_vec2 
 }
 
 /* The attribute's ids into r->n, each 0..hi, rising if `rising`. */
-static tz_status id_list(reader *r, tz_svg_node at, const char *attr, int32_t hi, bool rising)
+static tz_status id_list(reader *r, tz_svg_node at, const char *attr, int32_t hi,
+                         bool rising)
 {
     tz_status s = numbers(r, at, attr, -1);
     for (int32_t i = 0, id, last = -1; i < r->n.n && s == TZ_OK; i++, last = id)
         if (!integer(r->n.v[i], 0, hi, &id) || (rising && id <= last))
-            return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s holds an id out of range%s", r->name,
-                           tz_svg_line(at), attr, rising ? " or order" : "");
+            return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s holds an id out of range%s",
+                           r->name, tz_svg_line(at), attr, rising ? " or order" : "");
     return s;
 }
 
 /* Appends what id_list found. Expression of type tz_status. */
-#define APPEND_IDS(r, a)                                                               \
-    (tz_array_reserve((r)->ctx, (a), (int64_t)(a)->n + (r)->n.n) == TZ_OK              \
-         ? (copy_ids(&(r)->n, (a)->v + (a)->n), (a)->n += (r)->n.n, TZ_OK)             \
+#define APPEND_IDS(r, a)                                                   \
+    (tz_array_reserve((r)->ctx, (a), (int64_t)(a)->n + (r)->n.n) == TZ_OK  \
+         ? (copy_ids(&(r)->n, (a)->v + (a)->n), (a)->n += (r)->n.n, TZ_OK) \
          : TZ_NOMEM)
 
 static void copy_ids(const tz_numbers *n, int32_t *to)
@@ -120,12 +123,12 @@ static void copy_ids(const tz_numbers *n, int32_t *to)
 
 static tz_status read_head(reader *r, tz_svg_node at)
 {
-    int32_t groups, edges;
+    int32_t groups = 0, edges = 0;
     tz_status s;
     if (r->head)
         return bad(r, at, "a second list of regions");
-    if ((s = two_integers(r, at, "tz:pixels", TZ_IMAGE_MAX_SIDE, TZ_IMAGE_MAX_SIDE, &r->e.width,
-                          &r->e.height)) != TZ_OK)
+    if ((s = two_integers(r, at, "tz:pixels", TZ_IMAGE_MAX_SIDE, TZ_IMAGE_MAX_SIDE,
+                          &r->e.width, &r->e.height)) != TZ_OK)
         return s;
     const int64_t pixels = (int64_t)r->e.width * r->e.height;
     if (pixels < 1)
@@ -153,7 +156,8 @@ static tz_status read_head(reader *r, tz_svg_node at)
             return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: %s is out of range", r->name,
                            tz_svg_line(at), attr);
     }
-    if ((s = tz_alloc_zero(r->ctx, &r->region, (size_t)groups, sizeof *r->region)) != TZ_OK)
+    if ((s = tz_alloc_zero(r->ctx, &r->region, (size_t)groups, sizeof *r->region)) !=
+        TZ_OK)
         return s;
     if ((s = tz_alloc_zero(r->ctx, &r->line, (size_t)edges, sizeof *r->line)) != TZ_OK)
         return s;
@@ -173,7 +177,7 @@ static tz_status read_head(reader *r, tz_svg_node at)
 static tz_status note(reader *r, tz_svg_node at, const char *attr, int32_t n,
                       tz_svg_node *table)
 {
-    int32_t id;
+    int32_t id = 0;
     if (!r->head)
         return bad(r, at, "a region or edge stands before the list of regions");
     tz_status s = one_integer(r, at, attr, 0, n - 1, &id);
@@ -196,7 +200,8 @@ static tz_status find_parts(reader *r, tz_svg_node parent)
         if (part && tz_svg_attr(at, "transform") &&
             (tz_svg_transform(NULL, tz_svg_attr(at, "transform"), &m) != TZ_OK ||
              m.a != 1 || m.b != 0 || m.c != 0 || m.d != 1 || m.e != 0 || m.f != 0))
-            return bad(r, at, "regions have been moved; they must lie as they were written");
+            return bad(r, at,
+                       "regions have been moved; they must lie as they were written");
         if (tz_svg_is(at, "image") && !r->image)
             r->image = at;
         if (tz_svg_is(at, "g") && tz_svg_attr(at, "tz:pixels"))
@@ -214,14 +219,15 @@ static tz_status find_parts(reader *r, tz_svg_node parent)
 static tz_status check_parts(reader *r)
 {
     if (!r->head)
-        return tz_fail(r->ctx, TZ_FORMAT,
-                       "%s: not an exemplar document of edge groups (no tz:pixels); make one "
-                       "with: terrazzo analyze photo.jpg -o photo.svg",
-                       r->name);
+        return tz_fail(
+            r->ctx, TZ_FORMAT,
+            "%s: not an exemplar document of edge groups (no tz:pixels); make one "
+            "with: terrazzo analyze photo.jpg -o photo.svg",
+            r->name);
     for (int32_t i = 0; i < r->e.group.n; i++)
         if (!r->region[i])
-            return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: region %d of %d is missing", r->name,
-                           tz_svg_line(r->head), i, r->e.group.n);
+            return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: region %d of %d is missing",
+                           r->name, tz_svg_line(r->head), i, r->e.group.n);
     for (int32_t i = 0; i < r->e.edge.n; i++)
         if (!r->line[i])
             return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: edge %d of %d is missing", r->name,
@@ -241,7 +247,8 @@ static tz_status read_outline(reader *r, int32_t id, tz_outline_sides *out)
     if (s == TZ_FORMAT || s == TZ_INVALID)
         return bad(r, r->region[id], "the region's outline (d) is not path data");
     if (s == TZ_OK)
-        s = tz_outline_read(r->ctx, &r->path, r->e.width, r->e.height, r->sides, out, &why);
+        s = tz_outline_read(r->ctx, &r->path, r->e.width, r->e.height, r->sides, out,
+                            &why);
     if (s == TZ_FORMAT)
         return bad(r, r->region[id], why);
     return s;
@@ -262,8 +269,8 @@ static tz_status read_labels(reader *r)
         covered += tz_outline_area(&sides);
     }
     if (covered != pixels) {
-        s = tz_fail(r->ctx, TZ_FORMAT, "%s:%d: regions cover %lld of %lld pixels", r->name,
-                    tz_svg_line(r->head), (long long)covered, (long long)pixels);
+        s = tz_fail(r->ctx, TZ_FORMAT, "%s:%d: regions cover %lld of %lld pixels",
+                    r->name, tz_svg_line(r->head), (long long)covered, (long long)pixels);
         goto done;
     }
     r->sides = 2 * ((int64_t)r->e.width + 1) * r->e.height;
@@ -394,7 +401,8 @@ static tz_status read_group(reader *r, int32_t id)
         (s = one_point(r, at, "tz:region-centre", &g->region_centre)) != TZ_OK ||
         (s = one_integer(r, at, "tz:rank", 0, e->group.n - 1, &g->rank)) != TZ_OK ||
         (s = two_integers(r, at, "tz:bins", e->params.length_bins - 1,
-                          e->params.angle_bins - 1, &g->length_bin, &g->angle_bin)) != TZ_OK)
+                          e->params.angle_bins - 1, &g->length_bin, &g->angle_bin)) !=
+            TZ_OK)
         return s;
     g->edge = e->group_edge.n;
     s = id_list(r, at, "tz:edges", e->edge.n - 1, true);
@@ -444,8 +452,8 @@ static tz_status read_edge(reader *r, int32_t id)
     tz_edge *d = &e->edge.v[id];
     tz_svg_node at = r->line[id];
     tz_status s;
-    if ((s = two_integers(r, at, "tz:start", e->width - 1, e->height - 1, &d->x, &d->y)) !=
-            TZ_OK ||
+    if ((s = two_integers(r, at, "tz:start", e->width - 1, e->height - 1, &d->x,
+                          &d->y)) != TZ_OK ||
         (s = read_code(r, at, d)) != TZ_OK ||
         (s = one_integer(r, at, "tz:group-of", 0, e->group.n - 1, &d->group)) != TZ_OK ||
         (s = two_integers(r, at, "tz:bins", e->params.length_bins - 1,
@@ -468,7 +476,8 @@ static tz_status read_edge(reader *r, int32_t id)
 
 static int32_t hex(char c)
 {
-    const char *digits = "0123456789abcdef0123456789ABCDEF", *p = c ? strchr(digits, c) : NULL;
+    const char *digits = "0123456789abcdef0123456789ABCDEF",
+               *p = c ? strchr(digits, c) : NULL;
     return p ? (int32_t)(p - digits) % 16 : -1;
 }
 
@@ -478,12 +487,14 @@ static tz_status read_photo(reader *r, char **path, char sha256[65])
     const char *href = tz_svg_attr(r->image, "xlink:href");
     const char *sum = tz_svg_attr(r->image, "tz:sha256");
     if (!href || !*href)
-        return bad(r, r->image ? r->image : r->head, "the photo's image has no reference");
+        return bad(r, r->image ? r->image : r->head,
+                   "the photo's image has no reference");
     if (strncmp(href, "file://", 7) == 0)
         href += 7;
     else if (strstr(href, "://") || strncmp(href, "data:", 5) == 0)
-        return bad(r, r->image, "the photo must be a file beside the document, not a remote "
-                                "or embedded one");
+        return bad(r, r->image,
+                   "the photo must be a file beside the document, not a remote "
+                   "or embedded one");
     const char *slash = strcmp(r->name, "-") ? strrchr(r->name, '/') : NULL;
     const size_t folder = slash && *href != '/' ? (size_t)(slash - r->name) + 1 : 0;
     char *out = NULL;

@@ -9,10 +9,10 @@
 
 typedef struct tz_edge_map {
     int32_t width, height;
-    float *response;  /**< width * height, >= 0, any unit */
-    float *normal;    /**< planes d, c: cos, sin of twice the angle across the edge */
-    uint8_t *on;      /**< width * height, 1 on an edge */
-    float strong;     /**< the picture's own edge strength: 0.9 quantile over its ridges */
+    float *response; /**< width * height, >= 0, any unit */
+    float *normal;   /**< planes d, c: cos, sin of twice the angle across the edge */
+    uint8_t *on;     /**< width * height, 1 on an edge */
+    float strong;    /**< the picture's own edge strength: 0.9 quantile over its ridges */
     tz_ctx *ctx;
 } tz_edge_map;
 
@@ -20,9 +20,9 @@ typedef struct tz_edge_map {
 tz_status tz_edge_map_init(tz_ctx *ctx, tz_edge_map *m, int32_t width, int32_t height);
 void tz_edge_map_deinit(tz_edge_map *m);
 
-/** Fills `on` and `strong` from response and normal: ridges (non-maximum suppression), kept
- * where they reach `threshold` times the picture's own strength or hang on such a ridge
- * and reach half of it, thinned to one pixel.
+/** Fills `on` and `strong` from response and normal: ridges (non-maximum suppression),
+ * kept where they reach `threshold` times the picture's own strength or hang on such a
+ * ridge and reach half of it, thinned to one pixel.
  * @param threshold  0..1
  * @param least      responses below are never edges (same unit as the response)
  * @source Canny, PAMI 1986; simple points: Yokoi, Toriwaki, Fukumura, CGIP 1975 */

@@ -26,7 +26,8 @@ extern "C" tz_status tz_cv_autocorrelation(tz_ctx *ctx, const float *src, int32_
         int w = cv::getOptimalDFTSize(width + mx), h = cv::getOptimalDFTSize(height + my);
         cv::Mat m = cv::Mat::zeros(h, w, CV_32F), f;
         for (int y = 0; y < height; y++)
-            std::copy(src + (size_t)y * width, src + (size_t)(y + 1) * width, m.ptr<float>(y));
+            std::copy(src + (size_t)y * width, src + (size_t)(y + 1) * width,
+                      m.ptr<float>(y));
         cv::dft(m, f, 0, height);
         cv::mulSpectrums(f, f, f, 0, true);
         cv::dft(f, m, cv::DFT_INVERSE | cv::DFT_SCALE);

@@ -16,8 +16,8 @@ extern "C" {
 tz_status tz_cv_blur(tz_ctx *ctx, float *src, float *dst, int32_t width, int32_t height,
                      int32_t y0, int32_t y1, double sigma);
 
-/** Autocorrelation of a plane without wrap (zero-padded): out[y * (mx + 1) + x] is the lag
- * (x, y) for x = 0..mx and, in rows y + my, y = -my..my.
+/** Autocorrelation of a plane without wrap (zero-padded): out[y * (mx + 1) + x] is the
+ * lag (x, y) for x = 0..mx and, in rows y + my, y = -my..my.
  * @param[out] out  (2 my + 1) * (mx + 1) sums of products */
 tz_status tz_cv_autocorrelation(tz_ctx *ctx, const float *src, int32_t width,
                                 int32_t height, int32_t mx, int32_t my, float *out);

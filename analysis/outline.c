@@ -5,9 +5,9 @@
  *        -----------+-----------       ahead left outside:  straight on
  *              left ^ right            else:                turn left
  *
- * so that pixels which touch only at a corner stay apart (4-connected regions). Every loop
- * passes the upper side of its topmost pixels in direction +x; a map of passed upper sides
- * tells which loops have been walked. */
+ * so that pixels which touch only at a corner stay apart (4-connected regions). Every
+ * loop passes the upper side of its topmost pixels in direction +x; a map of passed upper
+ * sides tells which loops have been walked. */
 #include "analysis/outline.h"
 
 #include <stdio.h>
@@ -36,15 +36,17 @@ static tz_status append(tz_ctx *ctx, tz_outline_text *out, const char *text)
     return TZ_OK;
 }
 
-static tz_status append_run(tz_ctx *ctx, tz_outline_text *out, int32_t direction, int32_t n)
+static tz_status append_run(tz_ctx *ctx, tz_outline_text *out, int32_t direction,
+                            int32_t n)
 {
     char text[24];
-    snprintf(text, sizeof text, "%c%d", direction & 1 ? 'v' : 'h', direction < 2 ? n : -n);
+    snprintf(text, sizeof text, "%c%d", direction & 1 ? 'v' : 'h',
+             direction < 2 ? n : -n);
     return append(ctx, out, text);
 }
 
-/* Direction 0 = +x, 1 = +y, 2 = -x, 3 = -y. Pixel ahead on the right of corner (x, y) when
- * walking in direction d is (x + right_x[d], y + right_y[d]). */
+/* Direction 0 = +x, 1 = +y, 2 = -x, 3 = -y. Pixel ahead on the right of corner (x, y)
+ * when walking in direction d is (x + right_x[d], y + right_y[d]). */
 static const int32_t step_x[4] = {1, 0, -1, 0}, step_y[4] = {0, 1, 0, -1};
 static const int32_t right_x[4] = {0, -1, -1, 0}, right_y[4] = {0, 0, -1, -1};
 static const int32_t left_x[4] = {0, 0, -1, -1}, left_y[4] = {-1, 0, 0, -1};
@@ -80,8 +82,9 @@ static tz_status walk(tz_ctx *ctx, const walker *k, int32_t x0, int32_t y0, uint
     return s;
 }
 
-tz_status tz_outline_trace(tz_ctx *ctx, const int32_t *label, int32_t width, int32_t height,
-                           int32_t id, tz_rect box, uint8_t *seen, tz_outline_text *out)
+tz_status tz_outline_trace(tz_ctx *ctx, const int32_t *label, int32_t width,
+                           int32_t height, int32_t id, tz_rect box, uint8_t *seen,
+                           tz_outline_text *out)
 {
     const walker k = {label, width, height, id};
     for (int32_t y = box.y; y < box.y + box.h; y++) {
@@ -135,8 +138,9 @@ static tz_status add_line(tz_ctx *ctx, tz_vec2 a, tz_vec2 b, int64_t limit,
     return TZ_OK;
 }
 
-tz_status tz_outline_read(tz_ctx *ctx, const tz_svg_path *path, int32_t width, int32_t height,
-                          int64_t limit, tz_outline_sides *out, const char **why)
+tz_status tz_outline_read(tz_ctx *ctx, const tz_svg_path *path, int32_t width,
+                          int32_t height, int64_t limit, tz_outline_sides *out,
+                          const char **why)
 {
     tz_vec2 start = {0, 0}, at = {0, 0};
     int32_t point = 0;
@@ -183,7 +187,8 @@ int64_t tz_outline_area(const tz_outline_sides *sides)
     return area;
 }
 
-bool tz_outline_fill(const tz_outline_sides *sides, int32_t width, int32_t id, int32_t *label)
+bool tz_outline_fill(const tz_outline_sides *sides, int32_t width, int32_t id,
+                     int32_t *label)
 {
     /* closed outlines cross each row an even number of times */
     for (int32_t i = 0; i + 1 < sides->n; i += 2) {

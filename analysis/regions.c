@@ -3,10 +3,10 @@
  * its length and the sums of response and lightness:
  *
  *     strength = 0.8 (B + V) + 0.3 C
- *     B  mean response / full border, each pixel counted as a full border at most: the ends
- *        of a border lie in the strong borders that it runs into
- *     V  how much darker or lighter than both sides the border is (a joint, a crack)
- *     C  distance of the mean colours       (V, C: in spreads of the picture's own colours)
+ *     B  mean response / full border, each pixel counted as a full border at most: the
+ * ends of a border lie in the strong borders that it runs into V  how much darker or
+ * lighter than both sides the border is (a joint, a crack) C  distance of the mean
+ * colours       (V, C: in spreads of the picture's own colours)
  *
  *     cost = strength^1.5 size / (contact + 1/4),
  *     size = (harmonic mean of the areas / area of a thing)^(1/4)
@@ -14,8 +14,9 @@
  *
  * so that crumbs join before halves of things do, along long borders before along short
  * ones. The cheapest arc is merged first (binary heap; stale entries are recognised by
- * their regions' versions); ties go by the smaller ids. When as many regions are left as the scale of
- * the structure asks for, only borders that are hardly there are still removed.
+ * their regions' versions); ties go by the smaller ids. When as many regions are left as
+ * the scale of the structure asks for, only borders that are hardly there are still
+ * removed.
  *
  * Then joints are dissolved (joints.c): each stone gets its half of the mortar. */
 #include "analysis/regions.h"
@@ -26,24 +27,25 @@
 #include "analysis/joints.h"
 #include "base/array.h"
 
-#define WEAK 0.8   /* times merge: a border that is hardly there */
+#define WEAK   0.8 /* times merge: a border that is hardly there */
 #define STRONG 2.4 /* times merge: a border that is never removed */
 
 typedef struct arc {
     int32_t to;
-    int32_t length;  /* pixel pairs on the border */
-    double sum;      /* of responses there */
-    double light;    /* of lightness there */
+    int32_t length; /* pixel pairs on the border */
+    double sum;     /* of responses there */
+    double light;   /* of lightness there */
 } arc;
 
 typedef struct node {
-    TZ_ARRAY(arc) arcs;
+    TZ_ARRAY(arc)
+    arcs;
     double colour[3]; /* sums */
     int64_t area;
     int64_t perimeter;
     int32_t x0, y0, x1, y1;
-    int32_t parent;   /* itself while it lives */
-    int32_t version;  /* number of unions so far */
+    int32_t parent;  /* itself while it lives */
+    int32_t version; /* number of unions so far */
 } node;
 
 typedef struct entry {
@@ -59,7 +61,8 @@ typedef struct graph {
     double limit;  /* arcs stronger than this are never queued */
     double spread; /* of the superpixels' colours */
     node *nodes;
-    TZ_ARRAY(entry) heap;
+    TZ_ARRAY(entry)
+    heap;
 } graph;
 
 /* ---- building -------------------------------------------------------------------- */
@@ -79,17 +82,21 @@ typedef struct border_table {
 static border *find_slot(const border_table *t, uint64_t pair)
 {
     uint64_t i = pair * 0x9E3779B97F4A7C15u >> 20 & t->mask;
-    while (t->slot[i].length && t->slot[i].pair != pair) i = (i + 1) & t->mask;
+    while (t->slot[i].length && t->slot[i].pair != pair)
+        i = (i + 1) & t->mask;
     return &t->slot[i];
 }
 
 static tz_status grow_table(tz_ctx *ctx, border_table *t)
 {
     border_table bigger = {.mask = t->slot ? 2 * t->mask + 1 : 4095, .used = t->used};
-    tz_status s = tz_alloc_zero(ctx, &bigger.slot, (size_t)bigger.mask + 1, sizeof(border));
-    if (s != TZ_OK) return s;
+    tz_status s =
+        tz_alloc_zero(ctx, &bigger.slot, (size_t)bigger.mask + 1, sizeof(border));
+    if (s != TZ_OK)
+        return s;
     for (uint64_t i = 0; t->slot && i <= t->mask; i++)
-        if (t->slot[i].length) *find_slot(&bigger, t->slot[i].pair) = t->slot[i];
+        if (t->slot[i].length)
+            *find_slot(&bigger, t->slot[i].pair) = t->slot[i];
     tz_free(ctx, t->slot);
     *t = bigger;
     return TZ_OK;
@@ -100,9 +107,11 @@ static tz_status add_border(tz_ctx *ctx, border_table *t, int32_t a, int32_t b, 
 {
     if (2 * t->used >= (int64_t)t->mask) {
         tz_status s = grow_table(ctx, t);
-        if (s != TZ_OK) return s;
+        if (s != TZ_OK)
+            return s;
     }
-    const uint64_t pair = a < b ? (uint64_t)a << 32 | (uint32_t)b : (uint64_t)b << 32 | (uint32_t)a;
+    const uint64_t pair =
+        a < b ? (uint64_t)a << 32 | (uint32_t)b : (uint64_t)b << 32 | (uint32_t)a;
     border *e = find_slot(t, pair);
     if (!e->length) {
         e->pair = pair;
@@ -130,9 +139,11 @@ static tz_status collect_borders(const graph *g, const tz_region_picture *in,
         for (int32_t x = 0; x < w && s == TZ_OK; x++) {
             const int64_t p = (int64_t)y * w + x;
             for (int32_t k = 0; k < 2 && s == TZ_OK; k++) {
-                if (k == 0 ? x + 1 == w : y + 1 == in->height) continue;
+                if (k == 0 ? x + 1 == w : y + 1 == in->height)
+                    continue;
                 const int64_t q = p + step[k];
-                if (label[p] == label[q]) continue;
+                if (label[p] == label[q])
+                    continue;
                 const float r = fmaxf(in->response[p], in->response[q]);
                 s = add_border(g->ctx, t, label[p], label[q], r < full ? r : full,
                                0.5f * (in->lab[p] + in->lab[q]));
@@ -149,7 +160,8 @@ static tz_status build(graph *g, const tz_region_picture *in, const int32_t *lab
     border_table t = {0};
     tz_status s;
 
-    if ((s = tz_alloc_zero(g->ctx, &g->nodes, (size_t)g->n, sizeof(node))) != TZ_OK) goto done;
+    if ((s = tz_alloc_zero(g->ctx, &g->nodes, (size_t)g->n, sizeof(node))) != TZ_OK)
+        goto done;
     for (int32_t i = 0; i < g->n; i++) {
         g->nodes[i].parent = i;
         g->nodes[i].x0 = w, g->nodes[i].y0 = h;
@@ -159,17 +171,24 @@ static tz_status build(graph *g, const tz_region_picture *in, const int32_t *lab
             const size_t p = (size_t)y * w + x;
             node *v = &g->nodes[label[p]];
             v->area++;
-            for (int32_t c = 0; c < in->channels; c++) v->colour[c] += in->lab[c * plane + p];
-            if (x < v->x0) v->x0 = x;
-            if (y < v->y0) v->y0 = y;
-            if (x >= v->x1) v->x1 = x + 1;
-            if (y >= v->y1) v->y1 = y + 1;
+            for (int32_t c = 0; c < in->channels; c++)
+                v->colour[c] += in->lab[c * plane + p];
+            if (x < v->x0)
+                v->x0 = x;
+            if (y < v->y0)
+                v->y0 = y;
+            if (x >= v->x1)
+                v->x1 = x + 1;
+            if (y >= v->y1)
+                v->y1 = y + 1;
         }
     }
-    if ((s = collect_borders(g, in, label, &t)) != TZ_OK) goto done;
+    if ((s = collect_borders(g, in, label, &t)) != TZ_OK)
+        goto done;
     int64_t n = 0;
     for (uint64_t i = 0; i <= t.mask; i++)
-        if (t.slot[i].length) t.slot[n++] = t.slot[i];
+        if (t.slot[i].length)
+            t.slot[n++] = t.slot[i];
     qsort(t.slot, (size_t)n, sizeof *t.slot, by_pair);
     for (int64_t i = 0; i < n; i++) {
         const int32_t a = (int32_t)(t.slot[i].pair >> 32), b = (int32_t)t.slot[i].pair;
@@ -177,8 +196,10 @@ static tz_status build(graph *g, const tz_region_picture *in, const int32_t *lab
         to_a.to = a;
         g->nodes[a].perimeter += to_b.length;
         g->nodes[b].perimeter += to_b.length;
-        if ((s = tz_array_push(g->ctx, &g->nodes[a].arcs, to_b)) != TZ_OK) goto done;
-        if ((s = tz_array_push(g->ctx, &g->nodes[b].arcs, to_a)) != TZ_OK) goto done;
+        if ((s = tz_array_push(g->ctx, &g->nodes[a].arcs, to_b)) != TZ_OK)
+            goto done;
+        if ((s = tz_array_push(g->ctx, &g->nodes[b].arcs, to_a)) != TZ_OK)
+            goto done;
     }
 done:
     tz_free(g->ctx, t.slot);
@@ -189,15 +210,18 @@ done:
 
 static bool before(const entry *p, const entry *q)
 {
-    if (p->cost != q->cost) return p->cost < q->cost;
-    if (p->a != q->a) return p->a < q->a;
+    if (p->cost != q->cost)
+        return p->cost < q->cost;
+    if (p->a != q->a)
+        return p->a < q->a;
     return p->b < q->b;
 }
 
 static tz_status heap_push(graph *g, entry e)
 {
     tz_status s = tz_array_push(g->ctx, &g->heap, e);
-    if (s != TZ_OK) return s;
+    if (s != TZ_OK)
+        return s;
     int32_t i = g->heap.n - 1;
     for (; i > 0 && before(&e, &g->heap.v[(i - 1) / 2]); i = (i - 1) / 2)
         g->heap.v[i] = g->heap.v[(i - 1) / 2];
@@ -211,13 +235,17 @@ static entry heap_pop(graph *g)
     int32_t i = 0;
     for (;;) {
         int32_t c = 2 * i + 1;
-        if (c >= g->heap.n) break;
-        if (c + 1 < g->heap.n && before(&g->heap.v[c + 1], &g->heap.v[c])) c++;
-        if (!before(&g->heap.v[c], &e)) break;
+        if (c >= g->heap.n)
+            break;
+        if (c + 1 < g->heap.n && before(&g->heap.v[c + 1], &g->heap.v[c]))
+            c++;
+        if (!before(&g->heap.v[c], &e))
+            break;
         g->heap.v[i] = g->heap.v[c];
         i = c;
     }
-    if (g->heap.n > 0) g->heap.v[i] = e;
+    if (g->heap.n > 0)
+        g->heap.v[i] = e;
     return top;
 }
 
@@ -226,7 +254,8 @@ static entry heap_pop(graph *g)
 static arc *find_arc(node *v, int32_t to)
 {
     for (int32_t i = 0; i < v->arcs.n; i++)
-        if (v->arcs.v[i].to == to) return &v->arcs.v[i];
+        if (v->arcs.v[i].to == to)
+            return &v->arcs.v[i];
     return NULL;
 }
 
@@ -244,18 +273,22 @@ static double strength(const graph *g, const node *a, const node *b, const arc *
 {
     const double full = g->opt->full, spread = g->spread;
     const double border = full > 0 ? e->sum / e->length / full : 0;
-    if (spread <= 0) return 0.8 * border;
+    if (spread <= 0)
+        return 0.8 * border;
     const double la = a->colour[0] / (double)a->area, lb = b->colour[0] / (double)b->area;
     const double light = e->light / e->length;
     const double line = fmax(0, fmax(fmin(la, lb) - light, light - fmax(la, lb)));
     return 0.8 * (border + line / spread) + 0.3 * colour_distance(g, a, b) / spread;
 }
 
-static double arc_cost(const graph *g, const node *a, const node *b, const arc *e, double s)
+static double arc_cost(const graph *g, const node *a, const node *b, const arc *e,
+                       double s)
 {
     const double thing = 0.75 * g->opt->scale * g->opt->scale;
-    const double areas = 2.0 * (double)a->area * (double)b->area / (double)(a->area + b->area);
-    const double least = (double)(a->perimeter < b->perimeter ? a->perimeter : b->perimeter);
+    const double areas =
+        2.0 * (double)a->area * (double)b->area / (double)(a->area + b->area);
+    const double least =
+        (double)(a->perimeter < b->perimeter ? a->perimeter : b->perimeter);
     return s * sqrt(s) * sqrt(sqrt(areas / thing)) / (0.25 + e->length / least);
 }
 
@@ -272,7 +305,8 @@ static tz_status queue(graph *g, int32_t i, const arc *e)
     const int32_t a = i < e->to ? i : e->to, b = i < e->to ? e->to : i;
     const node *p = &g->nodes[a], *q = &g->nodes[b];
     const double s = strength(g, p, q, e);
-    if (s > g->limit || too_long(g, p, q)) return TZ_OK; /* unions only make it longer */
+    if (s > g->limit || too_long(g, p, q))
+        return TZ_OK; /* unions only make it longer */
     const double cost = arc_cost(g, p, q, e, s);
     return heap_push(g, (entry){cost, s, a, b, p->version, q->version});
 }
@@ -303,22 +337,29 @@ static tz_status unite(graph *g, int32_t a, int32_t b)
             there->sum = own->sum;
             there->light = own->light;
         } else {
-            if ((s = tz_array_push(g->ctx, &p->arcs, e)) != TZ_OK) return s;
+            if ((s = tz_array_push(g->ctx, &p->arcs, e)) != TZ_OK)
+                return s;
             back->to = a;
         }
     }
     tz_array_free(g->ctx, &q->arcs);
-    for (int32_t c = 0; c < 3; c++) p->colour[c] += q->colour[c];
+    for (int32_t c = 0; c < 3; c++)
+        p->colour[c] += q->colour[c];
     p->area += q->area;
     p->perimeter += q->perimeter - 2 * shared;
-    if (q->x0 < p->x0) p->x0 = q->x0;
-    if (q->y0 < p->y0) p->y0 = q->y0;
-    if (q->x1 > p->x1) p->x1 = q->x1;
-    if (q->y1 > p->y1) p->y1 = q->y1;
+    if (q->x0 < p->x0)
+        p->x0 = q->x0;
+    if (q->y0 < p->y0)
+        p->y0 = q->y0;
+    if (q->x1 > p->x1)
+        p->x1 = q->x1;
+    if (q->y1 > p->y1)
+        p->y1 = q->y1;
     q->parent = a;
     p->version++;
     g->alive--;
-    for (int32_t i = 0; i < p->arcs.n && s == TZ_OK; i++) s = queue(g, a, &p->arcs.v[i]);
+    for (int32_t i = 0; i < p->arcs.n && s == TZ_OK; i++)
+        s = queue(g, a, &p->arcs.v[i]);
     return s;
 }
 
@@ -334,7 +375,8 @@ static double colour_spread(const graph *g)
         }
         n++;
     }
-    for (int32_t c = 0; c < g->channels; c++) mean += (sum[c] / n) * (sum[c] / n);
+    for (int32_t c = 0; c < g->channels; c++)
+        mean += (sum[c] / n) * (sum[c] / n);
     return sqrt(fmax(0, square / n - mean));
 }
 
@@ -345,11 +387,16 @@ static tz_status merge_cheapest(graph *g, int64_t wanted, bool further)
     while (g->heap.n > 0 && (further || g->alive > wanted)) {
         const entry e = heap_pop(g);
         const node *a = &g->nodes[e.a], *b = &g->nodes[e.b];
-        if (a->parent != e.a || b->parent != e.b) continue;
-        if (a->version != e.version_a || b->version != e.version_b) continue;
-        if (g->alive <= wanted && e.strength > WEAK * g->opt->merge) continue;
-        if ((s = unite(g, e.a, e.b)) != TZ_OK) break;
-        if ((g->alive & 255) == 0 && tz_ctx_cancelled(g->ctx)) return TZ_CANCELLED;
+        if (a->parent != e.a || b->parent != e.b)
+            continue;
+        if (a->version != e.version_a || b->version != e.version_b)
+            continue;
+        if (g->alive <= wanted && e.strength > WEAK * g->opt->merge)
+            continue;
+        if ((s = unite(g, e.a, e.b)) != TZ_OK)
+            break;
+        if ((g->alive & 255) == 0 && tz_ctx_cancelled(g->ctx))
+            return TZ_CANCELLED;
     }
     return s;
 }
@@ -360,17 +407,21 @@ static tz_status merge_crumbs(graph *g, double least)
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < g->n; i++) {
         node *v = &g->nodes[i];
-        if (v->parent != i || (double)v->area >= least || v->arcs.n == 0) continue;
+        if (v->parent != i || (double)v->area >= least || v->arcs.n == 0)
+            continue;
         double best = INFINITY;
         int32_t to = -1;
         for (int32_t k = 0; k < v->arcs.n; k++) {
             const arc *e = &v->arcs.v[k];
             const node *u = &g->nodes[e->to];
             const double cost = arc_cost(g, v, u, e, strength(g, v, u, e));
-            if (to < 0 || cost < best || (cost == best && e->to < to)) best = cost, to = e->to;
+            if (to < 0 || cost < best || (cost == best && e->to < to))
+                best = cost, to = e->to;
         }
-        if ((s = unite(g, to, i)) != TZ_OK) return s;
-        if (g->nodes[to].area < least && to < i) i = to - 1; /* still a crumb */
+        if ((s = unite(g, to, i)) != TZ_OK)
+            return s;
+        if (g->nodes[to].area < least && to < i)
+            i = to - 1; /* still a crumb */
     }
     return s;
 }
@@ -380,12 +431,14 @@ static tz_status merge_crumbs(graph *g, double least)
 static tz_status open_graph(graph *g, const tz_region_picture *in, const int32_t *label)
 {
     tz_status s = build(g, in, label);
-    if (s != TZ_OK) return s;
+    if (s != TZ_OK)
+        return s;
     g->spread = colour_spread(g);
     for (int32_t i = 0; i < g->n; i++) {
         for (int32_t k = 0; k < g->nodes[i].arcs.n; k++) {
             const arc *e = &g->nodes[i].arcs.v[k];
-            if (e->to > i && (s = queue(g, i, e)) != TZ_OK) return s;
+            if (e->to > i && (s = queue(g, i, e)) != TZ_OK)
+                return s;
         }
     }
     return TZ_OK;
@@ -393,7 +446,8 @@ static tz_status open_graph(graph *g, const tz_region_picture *in, const int32_t
 
 static int32_t root(const graph *g, int32_t i)
 {
-    while (g->nodes[i].parent != i) i = g->nodes[i].parent;
+    while (g->nodes[i].parent != i)
+        i = g->nodes[i].parent;
     return i;
 }
 
@@ -402,13 +456,17 @@ static tz_status relabel(const graph *g, int64_t n, int32_t *label, int32_t *cou
 {
     int32_t *fresh = NULL, *to = NULL;
     tz_status s;
-    if ((s = tz_alloc(g->ctx, &fresh, (size_t)g->n, sizeof *fresh)) != TZ_OK) goto done;
-    if ((s = tz_alloc(g->ctx, &to, (size_t)g->n, sizeof *to)) != TZ_OK) goto done;
-    for (int32_t i = 0; i < g->n; i++) fresh[i] = -1, to[i] = root(g, i);
+    if ((s = tz_alloc(g->ctx, &fresh, (size_t)g->n, sizeof *fresh)) != TZ_OK)
+        goto done;
+    if ((s = tz_alloc(g->ctx, &to, (size_t)g->n, sizeof *to)) != TZ_OK)
+        goto done;
+    for (int32_t i = 0; i < g->n; i++)
+        fresh[i] = -1, to[i] = root(g, i);
     *count = 0;
     for (int64_t p = 0; p < n; p++) {
         int32_t *f = &fresh[to[label[p]]];
-        if (*f < 0) *f = (*count)++;
+        if (*f < 0)
+            *f = (*count)++;
         label[p] = *f;
     }
 done:
@@ -419,7 +477,8 @@ done:
 
 static void close_graph(graph *g)
 {
-    for (int32_t i = 0; g->nodes && i < g->n; i++) tz_array_free(g->ctx, &g->nodes[i].arcs);
+    for (int32_t i = 0; g->nodes && i < g->n; i++)
+        tz_array_free(g->ctx, &g->nodes[i].arcs);
     tz_free(g->ctx, g->nodes);
     tz_array_free(g->ctx, &g->heap);
     g->nodes = NULL;
@@ -438,23 +497,31 @@ tz_status tz_regions_merge(tz_ctx *ctx, const tz_region_picture *in,
 
     g.limit = told ? INFINITY : STRONG * opt->merge;
     g.n = g.alive = *count;
-    if ((s = open_graph(&g, in, label)) != TZ_OK) goto done;
+    if ((s = open_graph(&g, in, label)) != TZ_OK)
+        goto done;
     if (opt->merge > 0) { /* joints will take their share */
         s = merge_cheapest(&g, told ? wanted + wanted / 4 : wanted, !told);
-        if (s != TZ_OK) goto done;
+        if (s != TZ_OK)
+            goto done;
     }
-    if ((s = relabel(&g, n, label, count)) != TZ_OK) goto done;
+    if ((s = relabel(&g, n, label, count)) != TZ_OK)
+        goto done;
     close_graph(&g);
     if (opt->merge > 0) {
-        s = tz_joints_dissolve(ctx, in->width, in->height, 0.3 * opt->scale, label, count);
-        if (s != TZ_OK) goto done;
+        s = tz_joints_dissolve(ctx, in->width, in->height, 0.3 * opt->scale, label,
+                               count);
+        if (s != TZ_OK)
+            goto done;
     }
     g.n = g.alive = *count;
     g.limit = told ? INFINITY : -1; /* the heap serves told numbers only */
-    if ((s = open_graph(&g, in, label)) != TZ_OK) goto done;
+    if ((s = open_graph(&g, in, label)) != TZ_OK)
+        goto done;
     const double crumb = opt->merge > 0 ? 0.08 * opt->scale * opt->scale : 0;
-    if ((s = merge_crumbs(&g, fmax(crumb, opt->least))) != TZ_OK) goto done;
-    if (told && opt->merge > 0 && (s = merge_cheapest(&g, wanted, false)) != TZ_OK) goto done;
+    if ((s = merge_crumbs(&g, fmax(crumb, opt->least))) != TZ_OK)
+        goto done;
+    if (told && opt->merge > 0 && (s = merge_cheapest(&g, wanted, false)) != TZ_OK)
+        goto done;
     s = relabel(&g, n, label, count);
 done:
     close_graph(&g);

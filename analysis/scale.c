@@ -10,9 +10,9 @@
  *        0 |___\__   /______________
  *                 \_/  D
  *
- * 2. If there is no bump: the level of the pyramid where the boundary response is strongest
- *    (its derivatives are normalised, so that levels compare). Things are about six times
- *    as wide as its Gaussian (measured over photos of walls, pebbles and gravel).
+ * 2. If there is no bump: the level of the pyramid where the boundary response is
+ * strongest (its derivatives are normalised, so that levels compare). Things are about
+ * six times as wide as its Gaussian (measured over photos of walls, pebbles and gravel).
  *
  * Both are held between 1/24 and 1/5 of the side. */
 #include "analysis/scale.h"
@@ -21,9 +21,9 @@
 
 #include "analysis/filter_cv.h"
 
-#define BAND 16
+#define BAND       16
 #define LEAST_RISE 0.015
-#define LARGEST 300 /* side of the level that is correlated, px */
+#define LARGEST    300 /* side of the level that is correlated, px */
 
 /* ---- witnesses ------------------------------------------------------------------- */
 
@@ -39,19 +39,24 @@ static double tensor_at(const tz_tensor_level *l, size_t i)
 static void radial_mean(const float *ac, const tz_tensor_level *l, int32_t mx, int32_t my,
                         int32_t reach, double *mean, double *count)
 {
-    for (int32_t q = 0; q <= reach; q++) mean[q] = count[q] = 0;
+    for (int32_t q = 0; q <= reach; q++)
+        mean[q] = count[q] = 0;
     for (int32_t y = -my; y <= my; y++) {
         for (int32_t x = 0; x <= mx; x++) {
             const int32_t q = (int32_t)(sqrt((double)x * x + (double)y * y) + 0.5);
-            if (q > reach) continue;
-            const double overlap = (double)(l->width - x) * (l->height - (y < 0 ? -y : y));
+            if (q > reach)
+                continue;
+            const double overlap =
+                (double)(l->width - x) * (l->height - (y < 0 ? -y : y));
             mean[q] += ac[(size_t)(y + my) * (mx + 1) + x] / overlap;
             count[q]++;
         }
     }
-    for (int32_t q = 0; q <= reach; q++) mean[q] /= count[q];
+    for (int32_t q = 0; q <= reach; q++)
+        mean[q] /= count[q];
     const double zero = mean[0];
-    for (int32_t q = 0; q <= reach; q++) mean[q] /= zero;
+    for (int32_t q = 0; q <= reach; q++)
+        mean[q] /= zero;
 }
 
 /* Lag of the bump, or 0. */
@@ -61,8 +66,10 @@ static int32_t find_bump(const double *mean, int32_t reach)
     double best = LEAST_RISE, low = 1;
     for (int32_t q = 1; q < reach; q++) {
         const double v = 0.25 * (mean[q - 1] + 2 * mean[q] + mean[q + 1]);
-        if (v < low) low = v, dip = q;
-        else if (v > 0.01 && v - low > (bump ? 1.3 : 1.0) * best) best = v - low, bump = q;
+        if (v < low)
+            low = v, dip = q;
+        else if (v > 0.01 && v - low > (bump ? 1.3 : 1.0) * best)
+            best = v - low, bump = q;
     }
     (void)dip;
     return bump;
@@ -71,7 +78,8 @@ static int32_t find_bump(const double *mean, int32_t reach)
 static tz_status correlation_scale(const tz_tensor *t, double *scale)
 {
     int32_t k = 0;
-    while (k + 1 < t->n && (t->level[k].width > LARGEST || t->level[k].height > LARGEST)) k++;
+    while (k + 1 < t->n && (t->level[k].width > LARGEST || t->level[k].height > LARGEST))
+        k++;
     const tz_tensor_level *l = &t->level[k];
     const int32_t side = l->width < l->height ? l->width : l->height;
     const int32_t longer = l->width > l->height ? l->width : l->height;
@@ -82,19 +90,26 @@ static tz_status correlation_scale(const tz_tensor *t, double *scale)
     tz_status s = TZ_OK;
 
     *scale = 0;
-    if (side < 32 || longer > 4 * LARGEST) goto done;
-    if ((s = tz_alloc(t->ctx, &r, n, sizeof *r)) != TZ_OK) goto done;
-    if ((s = tz_alloc(t->ctx, &ac, (size_t)(2 * reach + 1) * (reach + 1), sizeof *ac)) != TZ_OK)
+    if (side < 32 || longer > 4 * LARGEST)
         goto done;
-    if ((s = tz_alloc(t->ctx, &mean, (size_t)reach + 1, 2 * sizeof *mean)) != TZ_OK) goto done;
-    for (size_t i = 0; i < n; i++) sum += r[i] = (float)tensor_at(l, i);
+    if ((s = tz_alloc(t->ctx, &r, n, sizeof *r)) != TZ_OK)
+        goto done;
+    if ((s = tz_alloc(t->ctx, &ac, (size_t)(2 * reach + 1) * (reach + 1), sizeof *ac)) !=
+        TZ_OK)
+        goto done;
+    if ((s = tz_alloc(t->ctx, &mean, (size_t)reach + 1, 2 * sizeof *mean)) != TZ_OK)
+        goto done;
+    for (size_t i = 0; i < n; i++)
+        sum += r[i] = (float)tensor_at(l, i);
     for (size_t i = 0; i < n; i++) {
         r[i] -= (float)(sum / (double)n);
         power += (double)r[i] * r[i];
     }
-    if (power < 1e-3 * (double)n) goto done;
+    if (power < 1e-3 * (double)n)
+        goto done;
     s = tz_cv_autocorrelation(t->ctx, r, l->width, l->height, reach, reach, ac);
-    if (s != TZ_OK) goto done;
+    if (s != TZ_OK)
+        goto done;
     radial_mean(ac, l, reach, reach, reach, mean, mean + reach + 1);
     *scale = (double)find_bump(mean, reach) * (1 << k);
 done:
@@ -108,12 +123,15 @@ static double energy_scale(const tz_tensor *t)
 {
     int32_t k = 0;
     for (int32_t i = 1; i < t->n; i++)
-        if (t->level[i].energy > t->level[k].energy) k = i;
+        if (t->level[i].energy > t->level[k].energy)
+            k = i;
     double shift = 0;
-    if (k > 0 && k + 1 < t->n && t->level[k - 1].energy > 0 && t->level[k + 1].energy > 0) {
+    if (k > 0 && k + 1 < t->n && t->level[k - 1].energy > 0 &&
+        t->level[k + 1].energy > 0) {
         const double a = log(t->level[k - 1].energy), b = log(t->level[k].energy);
         const double c = log(t->level[k + 1].energy);
-        if (a - 2 * b + c < 0) shift = 0.5 * (a - c) / (a - 2 * b + c);
+        if (a - 2 * b + c < 0)
+            shift = 0.5 * (a - c) / (a - 2 * b + c);
     }
     return 6 * TZ_TENSOR_SIGMA * exp2(k + shift);
 }
@@ -128,8 +146,10 @@ tz_status tz_scale_find(const tz_tensor *t, const tz_ebpt_params *p, double *sca
     } else if (t->level[0].energy < 0.1) { /* nothing to see */
         *scale = side / 12;
     } else {
-        if ((s = correlation_scale(t, scale)) != TZ_OK) return s;
-        if (*scale <= 0) *scale = energy_scale(t);
+        if ((s = correlation_scale(t, scale)) != TZ_OK)
+            return s;
+        if (*scale <= 0)
+            *scale = energy_scale(t);
         *scale = fmax(side / 24, fmin(side / 5, *scale));
     }
     *scale = fmax(*scale, p->groups > 0 ? 2 : 16);
@@ -157,7 +177,8 @@ static tz_status block_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
         const int32_t x1 = x0 + j->block < j->width ? x0 + j->block : j->width;
         float sum = 0;
         for (int32_t y = y0; y < y1; y++)
-            for (int32_t x = x0; x < x1; x++) sum += j->response[(int64_t)y * j->width + x];
+            for (int32_t x = x0; x < x1; x++)
+                sum += j->response[(int64_t)y * j->width + x];
         m[b] = sum / (float)((x1 - x0) * (y1 - y0));
     }
     return TZ_OK;
@@ -201,10 +222,12 @@ static void smooth_blocks(const balance_job *j, int32_t r, float *line)
             for (int32_t i = 0; i < n; i++) {
                 const int32_t i0 = i > r ? i - r : 0, i1 = i + r < n ? i + r : n - 1;
                 float sum = 0;
-                for (int32_t q = i0; q <= i1; q++) sum += m[q * step];
+                for (int32_t q = i0; q <= i1; q++)
+                    sum += m[q * step];
                 line[i] = sum / (float)(i1 - i0 + 1);
             }
-            for (int32_t i = 0; i < n; i++) m[i * step] = line[i];
+            for (int32_t i = 0; i < n; i++)
+                m[i * step] = line[i];
         }
     }
 }
@@ -220,13 +243,18 @@ tz_status tz_scale_balance(tz_ctx *ctx, float *response, int32_t width, int32_t 
     j.bw = (width + j.block - 1) / j.block;
     j.bh = (height + j.block - 1) / j.block;
     const size_t n = (size_t)j.bw * j.bh;
-    if ((s = tz_alloc(ctx, &j.mean, n, sizeof *j.mean)) != TZ_OK) goto done;
-    if ((s = tz_alloc(ctx, &line, (size_t)(j.bw > j.bh ? j.bw : j.bh), sizeof *line)) != TZ_OK)
+    if ((s = tz_alloc(ctx, &j.mean, n, sizeof *j.mean)) != TZ_OK)
         goto done;
-    if ((s = tz_parallel_for(ctx, j.bh, block_row, &j)) != TZ_OK) goto done;
-    for (size_t i = 0; i < n; i++) j.overall += j.mean[i];
+    if ((s = tz_alloc(ctx, &line, (size_t)(j.bw > j.bh ? j.bw : j.bh), sizeof *line)) !=
+        TZ_OK)
+        goto done;
+    if ((s = tz_parallel_for(ctx, j.bh, block_row, &j)) != TZ_OK)
+        goto done;
+    for (size_t i = 0; i < n; i++)
+        j.overall += j.mean[i];
     j.overall /= (double)n;
-    if (j.overall <= 0) goto done;
+    if (j.overall <= 0)
+        goto done;
     smooth_blocks(&j, 6, line);
     s = tz_parallel_for(ctx, j.bh, balance_row, &j);
 done:
@@ -248,13 +276,17 @@ double tz_scale_full(const float *response, int64_t n)
 {
     int64_t count[1024] = {0}, below = 0;
     float top = 0;
-    for (int64_t i = 0; i < n; i++) top = response[i] > top ? response[i] : top;
-    if (!(top > 0)) return 0;
+    for (int64_t i = 0; i < n; i++)
+        top = response[i] > top ? response[i] : top;
+    if (!(top > 0))
+        return 0;
     const float scale = 1023 / top;
-    for (int64_t i = 0; i < n; i++) count[(int32_t)(response[i] * scale)]++;
+    for (int64_t i = 0; i < n; i++)
+        count[(int32_t)(response[i] * scale)]++;
     for (int32_t k = 0; k < 1024; k++) {
         below += count[k];
-        if (below >= n - n / 10) return (k + 1) * (double)top / 1023;
+        if (below >= n - n / 10)
+            return (k + 1) * (double)top / 1023;
     }
     return top;
 }

@@ -15,7 +15,8 @@
  *  @source Machairas et al., Waterpixels, TIP 2015; Neubert, Protzel, Compact watershed
  *    and preemptive SLIC, ICPR 2014. Stands in for OpenCV's SLIC, of which 10 iterations
  *    take longer than the whole analysis may, and whose library takes 0.1 s to load. */
-tz_status tz_superpixels(tz_ctx *ctx, const float *response, int32_t width, int32_t height,
-                         double full, double step, int32_t *label, int32_t *count);
+tz_status tz_superpixels(tz_ctx *ctx, const float *response, int32_t width,
+                         int32_t height, double full, double step, int32_t *label,
+                         int32_t *count);
 
 #endif

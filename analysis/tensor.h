@@ -8,8 +8,9 @@
 #include "base/image.h"
 
 #define TZ_TENSOR_LEVELS 8
-/** Gaussian of a level, in its own pixels; level k stands for sigma 2^k times as large. */
-#define TZ_TENSOR_SIGMA 1.4
+/** Gaussian of a level, in its own pixels; level k stands for sigma 2^k times as large.
+ */
+#define TZ_TENSOR_SIGMA  1.4
 
 /** Level k: pixel i lies on pixel 2^k i of the photo. */
 typedef struct tz_tensor_level {
