@@ -147,7 +147,16 @@ static tz_status set_outputs(tz_cli *cli, tz_cli *inner, const char *makes,
     const char *option = strcmp(inner->command->name, "expand") != 0 ? "output"
                          : strcmp(makes, "layout") == 0              ? "save-layout"
                                                                      : "output";
-    return set_option(inner, option, text, cli->operand[0]);
+    tz_status s = set_option(inner, option, text, cli->operand[0]);
+    /* Standard output has no extension: the format is that of the original. */
+    if (s == TZ_OK && strcmp(path, "-") == 0 &&
+        tz_command_option(inner->command, "format", NULL)) {
+        const tz_format_params format = {.format = tz_format_of(cli->operand[0])};
+        char name[32];
+        tz_params_get(&tz_format_param_table.row[0], &format, name, sizeof name);
+        s = set_option(inner, "format", name, cli->operand[0]);
+    }
+    return s;
 }
 
 /* name_replay.ext beside the original. */

@@ -113,7 +113,7 @@ static void label_of(const values *v, const char *path, const tz_image *im, int3
 }
 
 /* Where each column and row of the grid begins: as wide as the widest picture in it (and
- * at least ten letters), as high as the highest. */
+ * at least twenty letters), as high as the highest. */
 typedef struct grid {
     int32_t columns, rows;
     int32_t *x, *y; /* columns + 1, rows + 1 */
@@ -131,7 +131,7 @@ static tz_status make_grid(tz_cli *cli, const tz_image *im, const double *factor
     if (s != TZ_OK)
         return s;
     for (int32_t i = 0; i < n; i++) {
-        int32_t w = (int32_t)fmax(10 * TZ_FONT_WIDTH * LETTER, im[i].width / factor[i]);
+        int32_t w = (int32_t)fmax(20 * TZ_FONT_WIDTH * LETTER, im[i].width / factor[i]);
         int32_t h = (int32_t)fmax(1, im[i].height / factor[i]) + LABEL;
         int32_t *x = &g->x[i % g->columns + 1], *y = &g->y[i / g->columns + 1];
         *x = w > *x ? w : *x;

@@ -59,7 +59,7 @@ static const char *extension(const char *path)
     return dot && dot > (slash ? slash + 1 : path) ? dot + 1 : "";
 }
 
-static tz_format format_of(const char *path)
+tz_format tz_format_of(const char *path)
 {
     for (size_t i = 0; i < sizeof extension_list / sizeof extension_list[0]; i++)
         if (strcasecmp(extension_list[i].extension, extension(path)) == 0)
@@ -71,7 +71,7 @@ tz_status tz_format_settle(tz_ctx *ctx, const char *path, const tz_format_params
                            const tz_image *like, tz_image_write_options *out)
 {
     bool piped = strcmp(path, "-") == 0;
-    tz_format named = piped ? TZ_FORMAT_AUTO : format_of(path), f = p->format;
+    tz_format named = piped ? TZ_FORMAT_AUTO : tz_format_of(path), f = p->format;
     const char *formats = "png, jpg, tif, webp, hdr and exr";
     if (f == TZ_FORMAT_AUTO && piped)
         return tz_fail(ctx, TZ_INVALID,

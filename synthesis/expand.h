@@ -33,6 +33,8 @@ typedef struct tz_format_params {
 } tz_format_params;
 TZ_API extern const tz_param_table tz_format_param_table;
 
+/** Format that a name's extension stands for, or TZ_FORMAT_AUTO. */
+TZ_API tz_format tz_format_of(const char *path);
 /** Settles the format of one output by its name and the parameters.
  * @param like  what will be written: its depth decides TZ_SAMPLE_AUTO (16-bit photos give
  *   16-bit PNG and TIFF, float data maps float EXR)

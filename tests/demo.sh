@@ -16,7 +16,7 @@ mkdir -p "$out" || exit 1
 
 if fetch_photos "$build/cache/photos" >/dev/null; then
     photos=("$build/cache/photos/rocks.jpg" "$build/cache/photos/gravel.png"
-        "$build/cache/photos/mossy_bark.jpg")
+        "$build/cache/photos/brick.png")
     echo "demo: photos from Debian's package archive (tuxpaint-data, python3-skimage)"
 else
     photos=("$here"/../data/exemplars/{stones,bricks,mud}.png)
