@@ -29,7 +29,7 @@
 #define SIDE TZ_QUALITY_REPEAT
 #define STEP 16           /* grid of patches tested */
 #define FAR SIDE          /* least offset: the two patches do not overlap */
-#define NCC_COPY 0.9      /* a copy */
+#define NCC_COPY 0.92     /* a copy */
 #define NCC_SELF 0.75     /* resembles itself SELF_SHIFT px further: no structure */
 #define SELF_SHIFT 8
 #define CONTRAST 0.3      /* least rms of D, of 100 */
@@ -286,24 +286,33 @@ static tz_status list_matches(tz_ctx *ctx, repeat_search *r)
 
 /* ---- patches -------------------------------------------------------------------- */
 
-/* Normalised cross-correlation of two patches; 0 where one has no contrast.
- * Rows are summed in eight lanes, so that the order of sums is fixed. */
-static double correlate(const float *a, int32_t stride_a, const float *b, int32_t stride_b)
+/* Sums of squares and products of two patches, every `skip`-th row; in eight lanes, so
+ * that the order of sums is fixed. D has no mean to take off. */
+static void products(const float *a, int32_t stride_a, const float *b, int32_t stride_b,
+                     int32_t skip, double sum[3])
 {
-    float sa[8] = {0}, sb[8] = {0}, saa[8] = {0}, sbb[8] = {0}, sab[8] = {0};
-    for (int32_t y = 0; y < SIDE; y++, a += stride_a, b += stride_b)
+    float aa[8] = {0}, bb[8] = {0}, ab[8] = {0};
+    for (int32_t y = 0; y < SIDE; y += skip) {
+        const float *u = a + (size_t)y * stride_a, *v = b + (size_t)y * stride_b;
         for (int32_t x = 0; x < SIDE; x += 8)
             for (int k = 0; k < 8; k++) {
-                float u = a[x + k], v = b[x + k];
-                sa[k] += u, sb[k] += v;
-                saa[k] += u * u, sbb[k] += v * v, sab[k] += u * v;
+                aa[k] += u[x + k] * u[x + k];
+                bb[k] += v[x + k] * v[x + k];
+                ab[k] += u[x + k] * v[x + k];
             }
-    double n = SIDE * SIDE, ta = 0, tb = 0, taa = 0, tbb = 0, tab = 0;
+    }
+    sum[0] = sum[1] = sum[2] = 0;
     for (int k = 0; k < 8; k++)
-        ta += sa[k], tb += sb[k], taa += saa[k], tbb += sbb[k], tab += sab[k];
-    taa -= ta * ta / n, tbb -= tb * tb / n, tab -= ta * tb / n;
-    double least = n * CONTRAST * CONTRAST;
-    return taa < least || tbb < least ? 0 : tab / sqrt(taa * tbb);
+        sum[0] += (double)aa[k], sum[1] += (double)bb[k], sum[2] += (double)ab[k];
+}
+
+/* Normalised cross-correlation; 0 where one of both has no contrast. */
+static double correlate(const float *a, int32_t stride_a, const float *b, int32_t stride_b,
+                        int32_t skip)
+{
+    double s[3], least = SIDE * SIDE * CONTRAST * CONTRAST / skip;
+    products(a, stride_a, b, stride_b, skip, s);
+    return s[0] < least || s[1] < least ? 0 : s[2] / sqrt(s[0] * s[1]);
 }
 
 /* Whether the patch differs from itself at a small shift in every direction. */
@@ -311,15 +320,18 @@ static bool has_structure(const float *d, int32_t w, int32_t h, int32_t x, int32
 {
     static const int8_t shift[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
     const float *a = d + (size_t)y * w + x;
-    for (int k = 0; k < 4; k++)
-        for (int sign = -1; sign <= 1; sign += 2) {
-            int32_t u = x + sign * shift[k][0] * SELF_SHIFT;
-            int32_t v = y + sign * shift[k][1] * SELF_SHIFT;
-            if (u < 0 || v < 0 || u > w - SIDE || v > h - SIDE)
+    if (correlate(a, w, a, w, 1) == 0)
+        return false;
+    for (int k = 0; k < 4; k++) {
+        int32_t dx = shift[k][0] * SELF_SHIFT, dy = shift[k][1] * SELF_SHIFT;
+        if (x + dx > w - SIDE || y + dy < 0 || y + dy > h - SIDE) {
+            dx = -dx, dy = -dy; /* the other way, at the far borders */
+            if (x + dx < 0 || y + dy < 0 || y + dy > h - SIDE)
                 continue;
-            if (correlate(a, w, d + (size_t)v * w + u, w) > NCC_SELF)
-                return false;
         }
+        if (correlate(a, w, a + (int64_t)dy * w + dx, w, 2) > NCC_SELF)
+            return false;
+    }
     return true;
 }
 
@@ -328,44 +340,49 @@ typedef struct vote {
     int32_t n;
 } vote;
 
-static int by_key(const void *a, const void *b)
-{
-    const vote *p = a, *q = b;
-    return p->key < q->key ? -1 : p->key > q->key;
-}
+#define VOTES 768
+#define SLOTS 2048 /* of the hash table, a power of two */
+#define KEY_BITS 23
+#define KEY_BIAS ((int64_t)1 << (KEY_BITS - 1))
+#define KEY_MASK (((int64_t)1 << KEY_BITS) - 1)
 
-static int by_votes(const void *a, const void *b)
-{
-    const vote *p = a, *q = b;
-    return p->n != q->n ? (p->n > q->n ? -1 : 1) : by_key(a, b);
-}
+static bool more_votes(vote a, vote b) { return a.n != b.n ? a.n > b.n : a.key < b.key; }
 
-#define VOTES 1024
-#define KEY_BIAS ((int64_t)1 << 22)
-
-/* Offsets that the anchors inside a patch vote for, most votes first. */
+/* The offsets that most anchors inside a patch vote for, most votes first. */
 static int32_t gather_votes(const repeat_search *r, int32_t crop, int32_t x, int32_t y,
-                            vote v[VOTES])
+                            vote top[TRIES])
 {
-    int32_t n = 0, m = 0;
+    vote v[VOTES];
+    int16_t slot[SLOTS];
+    int32_t n = 0, all = 0, m = 0;
+    memset(slot, -1, sizeof slot);
     for (int32_t row = y; row < y + SIDE; row++)
         for (int32_t i = r->row_first[crop][row]; i < r->row_first[crop][row + 1]; i++) {
             const anchor *a = &r->anchor.v[i];
             if (a->x < x || a->x >= x + SIDE)
                 continue;
-            for (int32_t k = r->first[i]; k < r->first[i + 1] && n < VOTES; k++) {
+            for (int32_t k = r->first[i]; k < r->first[i + 1] && all < VOTES; k++, all++) {
                 const anchor *b = &r->anchor.v[r->target[k]];
                 int64_t dx = b->x - a->x + KEY_BIAS, dy = b->y - a->y + KEY_BIAS;
-                v[n++] = (vote){(int64_t)b->crop << 46 | dy << 23 | dx, 1};
+                int64_t key = (int64_t)b->crop << (2 * KEY_BITS) | dy << KEY_BITS | dx;
+                uint32_t h = (uint32_t)((uint64_t)key * 0x9e3779b97f4a7c15u >> 53);
+                while (slot[h] >= 0 && v[slot[h]].key != key)
+                    h = (h + 1) & (SLOTS - 1);
+                if (slot[h] < 0) {
+                    slot[h] = (int16_t)n;
+                    v[n++] = (vote){key, 0};
+                }
+                v[slot[h]].n++;
             }
         }
-    qsort(v, (size_t)n, sizeof *v, by_key);
-    for (int32_t i = 0; i < n; i++)
-        if (m > 0 && v[m - 1].key == v[i].key)
-            v[m - 1].n++;
-        else
-            v[m++] = v[i];
-    qsort(v, (size_t)m, sizeof *v, by_votes);
+    for (int32_t i = 0; i < n; i++) {
+        if (v[i].n < LEAST_VOTES || (m == TRIES && !more_votes(v[i], top[m - 1])))
+            continue;
+        int32_t at = m < TRIES ? m++ : m - 1;
+        for (; at > 0 && more_votes(v[i], top[at - 1]); at--)
+            top[at] = top[at - 1];
+        top[at] = v[i];
+    }
     return m;
 }
 
@@ -378,18 +395,18 @@ typedef struct patch_job {
 
 static bool occurs_again(const repeat_search *r, int32_t crop, int32_t x, int32_t y)
 {
-    vote v[VOTES];
+    vote v[TRIES];
     int32_t n = gather_votes(r, crop, x, y, v), w = r->p->at[crop].gauss[0].w;
     const float *a = r->band[crop] + (size_t)y * w + x;
-    for (int32_t i = 0; i < n && i < TRIES && v[i].n >= LEAST_VOTES; i++) {
-        int32_t to = (int32_t)(v[i].key >> 46);
-        int32_t tx = x + (int32_t)((v[i].key & (((int64_t)1 << 23) - 1)) - KEY_BIAS);
-        int32_t ty = y + (int32_t)((v[i].key >> 23 & (((int64_t)1 << 23) - 1)) - KEY_BIAS);
+    for (int32_t i = 0; i < n; i++) {
+        int32_t to = (int32_t)(v[i].key >> (2 * KEY_BITS));
+        int32_t tx = x + (int32_t)((v[i].key & KEY_MASK) - KEY_BIAS);
+        int32_t ty = y + (int32_t)((v[i].key >> KEY_BITS & KEY_MASK) - KEY_BIAS);
         const tz_quality_planes *f = &r->p->at[to].gauss[0];
         if (tx < 0 || ty < 0 || tx > f->w - SIDE || ty > f->h - SIDE ||
             !far_apart(r->p, crop, x, y, to, tx, ty))
             continue;
-        if (correlate(a, w, r->band[to] + (size_t)ty * f->w + tx, f->w) >= NCC_COPY)
+        if (correlate(a, w, r->band[to] + (size_t)ty * f->w + tx, f->w, 1) >= NCC_COPY)
             return true;
     }
     return false;
@@ -403,8 +420,7 @@ static tz_status patch_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
     int32_t y = (int32_t)i * STEP;
     (void)ctx, (void)worker;
     for (int32_t x = 0; x <= f->w - SIDE; x += STEP) {
-        if (correlate(d + (size_t)y * f->w + x, f->w, d + (size_t)y * f->w + x, f->w) == 0 ||
-            !has_structure(d, f->w, f->h, x, y))
+        if (!has_structure(d, f->w, f->h, x, y))
             continue;
         j->structured[i]++;
         if (!occurs_again(j->r, j->crop, x, y))

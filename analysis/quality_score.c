@@ -22,7 +22,7 @@ void tz_quality_score(tz_quality *q)
     q->cost_repetition = 40 * saturate(q->repetition, 0.4);
     q->cost_periodicity = 20 * saturate(q->periodicity, 0.4);
     q->cost_seam = 30 * saturate(q->seam, 0.006);
-    q->cost_broken = 20 * saturate(q->broken - 1, 0.5);
+    q->cost_broken = 20 * saturate(q->broken - 1.1, 0.5);
     q->cost_wrap = isfinite(q->wrap) ? 20 * saturate(q->wrap - 1.2, 1) : 0;
     double s = 100 - q->cost_patch - q->cost_structure - q->cost_sharpness -
                q->cost_repetition - q->cost_periodicity - q->cost_seam - q->cost_broken -
