@@ -74,7 +74,7 @@ static tz_status folder(tz_ctx *ctx, const char *doc, char out[PATH_MAX])
 
 tz_status tz_layout_href_make(tz_ctx *ctx, const char *doc, const char *path, char **out)
 {
-    char from[PATH_MAX], to[PATH_MAX];
+    char from[PATH_MAX] = "", to[PATH_MAX] = "";
     tz_status st = folder(ctx, doc, from);
     if (!st)
         st = absolute(ctx, path, to);
@@ -197,9 +197,11 @@ tz_status tz_layout_href_open(tz_ctx *ctx, const char *doc, int32_t line,
         size_t m = strlen(base);
         memcpy(full, base, m);
         full[m] = '/';
-        memcpy(full + m + 1, decoded, n + 1);
+        memcpy(full + m + 1, decoded, n);
+        full[m + 1 + n] = 0;
     } else {
-        memcpy(full, decoded, n + 1);
+        memcpy(full, decoded, n);
+        full[n] = 0;
     }
     st = absolute(ctx, full, path);
     return st ? st : tz_strdup(ctx, path, out);

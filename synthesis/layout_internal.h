@@ -80,6 +80,12 @@ tz_status tz_reader_border(tz_reader *r, tz_svg_node clip, tz_affine clip_map,
 /** A length attribute in px; absent gives `otherwise`. */
 tz_status tz_reader_length(tz_reader *r, tz_svg_node n, const char *name,
                            double otherwise, double *out);
+/** Member by member. */
+static inline bool tz_reader_same_map(tz_affine p, tz_affine q)
+{
+    return p.a == q.a && p.b == q.b && p.c == q.c && p.d == q.d && p.e == q.e &&
+           p.f == q.f;
+}
 /** An integer in lo..hi. */
 bool tz_reader_integer(const char *text, int32_t lo, int32_t hi, int32_t *out);
 

@@ -76,7 +76,6 @@ static bool equals(const char *v, size_t n, const char *word)
 /** map = transform attribute, then map. */
 static tz_status concat(tz_reader *r, tz_svg_node n, tz_affine *map)
 {
-    static const tz_affine identity = {1, 0, 0, 1, 0, 0};
     const char *text = tz_svg_attr(n, "transform");
     tz_affine m;
     if (!text)
@@ -87,7 +86,7 @@ static tz_status concat(tz_reader *r, tz_svg_node n, tz_affine *map)
     if (st || !tz_affine_finite(m))
         return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: transform=\"%.60s\" cannot be read",
                        r->name, tz_svg_line(n), text);
-    if (!memcmp(map, &identity, sizeof identity))
+    if (tz_reader_same_map(*map, tz_affine_identity()))
         *map = m; /* keeps every bit, also of -0 */
     else
         *map = tz_affine_then(m, *map);
@@ -133,7 +132,6 @@ static tz_status find_clip(tz_reader *r, tz_svg_node n, const char *v, size_t k,
 /** Adds a placement where a photo is drawn. */
 static tz_status place(tz_reader *r, tz_svg_node n, const state *s)
 {
-    static const tz_affine identity = {1, 0, 0, 1, 0, 0};
     tz_read_photo photo;
     tz_affine map = s->map, inverse;
     tz_status st = tz_reader_photo(r, n, &photo);
@@ -141,7 +139,7 @@ static tz_status place(tz_reader *r, tz_svg_node n, const state *s)
         return st;
     if (!s->visible)
         return TZ_OK;
-    if (memcmp(&photo.box, &identity, sizeof identity))
+    if (!tz_reader_same_map(photo.box, tz_affine_identity()))
         map = tz_affine_then(photo.box, map);
     if (!tz_affine_invert(map, &inverse))
         return tz_fail(
@@ -176,7 +174,7 @@ static tz_status read_notes(tz_reader *r, tz_svg_node n, state *s)
     s->medium = TZ_MEDIUM_EDGE_GROUP;
     if (medium) {
         uint8_t k = 0;
-        while (k < 3 && strcmp(medium, media[k]))
+        while (k < 3 && strcmp(medium, media[k]) != 0)
             k++;
         if (k == 3)
             return tz_fail(r->ctx, TZ_FORMAT,
@@ -223,8 +221,9 @@ static tz_status walk_use(tz_reader *r, tz_svg_node n, state *s)
             return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: <use> of \"%.60s\" inside itself",
                            r->name, tz_svg_line(n), href + 1);
     use_frame frame = {target, s->uses};
-    s->uses = &frame;
-    return walk(r, target, *s, true);
+    state inner = *s;
+    inner.uses = &frame;
+    return walk(r, target, inner, true);
 }
 
 static tz_status walk(tz_reader *r, tz_svg_node n, state s, bool referenced)
@@ -358,7 +357,7 @@ static tz_status read_document(tz_reader *r, tz_layout *l)
     tz_svg_node root = tz_svg_root(r->doc);
     state s = {.group = -1, .medium = TZ_MEDIUM_EDGE_GROUP, .fixed = 1, .visible = 1};
     const char *kind = tz_svg_attr(root, "tz:document");
-    if (kind && strcmp(kind, "layout"))
+    if (kind && strcmp(kind, "layout") != 0)
         return tz_fail(r->ctx, TZ_FORMAT,
                        "%s:%d: this is an %.40s, not a layout; arrange it first", r->name,
                        tz_svg_line(root), kind);

@@ -107,7 +107,7 @@ tz_status tz_reader_border(tz_reader *r, tz_svg_node clip, tz_affine clip_map,
         *points = r->polygon.n = 4;
         return put_border(r, NULL, line, border);
     }
-    if (memcmp(&map, &clip_map, sizeof map)) {
+    if (!tz_reader_same_map(map, clip_map)) {
         tz_affine inverse = map;
         bool can = tz_affine_invert(map, &inverse);
         assert(can);

@@ -125,7 +125,7 @@ static tz_status numbers(const reader *p, const json_t *v, size_t n, double lo, 
 static tz_status range(const reader *p, const json_t *v, double lo, double hi,
                        double out[2])
 {
-    double pair[2];
+    double pair[2] = {0};
     tz_status st = numbers(p, v, 2, lo, hi, pair);
     if (st)
         return st;
@@ -176,7 +176,7 @@ static tz_status read_size(reader *p, const json_t *v, void *out)
 
 static tz_status read_rotation(reader *p, const json_t *v, void *out)
 {
-    double pair[2];
+    double pair[2] = {0};
     tz_status st = range(p, v, -3600, 3600, pair);
     for (int i = 0; i < 2 && !st; i++)
         ((double *)out)[i] = pair[i] * TZ_PI / 180;
@@ -266,7 +266,7 @@ static tz_status add_point(reader *p, tz_rule *rule, double x, double y)
 
 static tz_status read_rect(reader *p, const json_t *v, void *out)
 {
-    double q[4];
+    double q[4] = {0};
     tz_status st = numbers(p, v, 4, -10, 10, q);
     if (st)
         return st;
@@ -281,7 +281,7 @@ static tz_status read_rect(reader *p, const json_t *v, void *out)
 
 static tz_status read_circle(reader *p, const json_t *v, void *out)
 {
-    double q[3];
+    double q[3] = {0};
     tz_status st = numbers(p, v, 3, -10, 10, q);
     if (st)
         return st;
@@ -301,7 +301,7 @@ static tz_status read_polygon(reader *p, const json_t *v, void *out)
     if (!json_is_array(v) || n < 3 || n > MAX_POLYGON)
         return bad(p, "must be a list of 3 to %d points [x, y]", MAX_POLYGON);
     for (size_t i = 0; i < n && !st; i++) {
-        double q[2];
+        double q[2] = {0};
         st = numbers(p, json_array_get(v, i), 2, -10, 10, q);
         if (!st)
             st = add_point(p, out, q[0], q[1]);
@@ -371,7 +371,7 @@ static tz_status read_object(reader *p, const json_t *object, const key *table, 
         size_t i = 0;
         snprintf(p->where + base, sizeof p->where - base, "%s%.60s", base ? "." : "",
                  name);
-        while (i < n && strcmp(name, table[i].name))
+        while (i < n && strcmp(name, table[i].name) != 0)
             i++;
         if (i == n) {
             const char *known[32];

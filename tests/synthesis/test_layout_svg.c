@@ -495,7 +495,8 @@ static void test_renders(void **state)
     for (int y = 0; y < 20; y++)
         for (int x = 0; x < 40; x++)
             tz_image_at(&photo, x, y)[x < 20 ? 0 : 1] = 1;
-    assert_int_equal(tz_image_write(NULL, in_dir("sub dir/rg photo.png"), &photo, NULL), TZ_OK);
+    assert_int_equal(tz_image_write(NULL, in_dir("sub dir/rg photo.png"), &photo, NULL),
+                     TZ_OK);
     assert_int_equal(tz_layout_init(NULL, &l, 100, 80, true), TZ_OK);
     tz_layout_add_source(&l, in_dir("sub dir/rg photo.png"), NULL, 40, 20, NULL);
     tz_point all[] = {{0, 0}, {40, 0}, {40, 20}, {0, 20}};
