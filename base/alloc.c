@@ -16,8 +16,8 @@
 enum { ALIGN = 64 };
 
 typedef struct header {
-    void *raw;   /* what malloc gave */
-    size_t size; /* bytes counted against the budget */
+    void *raw;     /* what malloc gave */
+    size_t size;   /* bytes counted against the budget */
     size_t offset; /* of the block from raw */
 } header;
 
@@ -48,8 +48,8 @@ static void *place(void *raw, size_t gross)
 
 static tz_status too_large(tz_ctx *ctx, size_t n, size_t size)
 {
-    return tz_fail(ctx, TZ_NOMEM, "out of memory: %zu items of %zu bytes were asked for", n,
-                   size);
+    return tz_fail(ctx, TZ_NOMEM, "out of memory: %zu items of %zu bytes were asked for",
+                   n, size);
 }
 
 static tz_status allocate(tz_ctx *ctx, void *out, size_t n, size_t size, bool zero)

@@ -140,11 +140,12 @@ tz_status tz_ctx_take_memory(tz_ctx *ctx, size_t bytes)
     size_t used = atomic_fetch_add(&ctx->used, bytes) + bytes;
     if (ctx->opt.memory && used > ctx->opt.memory) {
         atomic_fetch_sub(&ctx->used, bytes);
-        return tz_fail(ctx, TZ_NOMEM,
-                       "out of memory: %.1f MiB were asked for with %.1f MiB in use of a "
-                       "budget of %.1f MiB; allow more memory or ask for a smaller output",
-                       (double)bytes / 1048576.0, (double)(used - bytes) / 1048576.0,
-                       (double)ctx->opt.memory / 1048576.0);
+        return tz_fail(
+            ctx, TZ_NOMEM,
+            "out of memory: %.1f MiB were asked for with %.1f MiB in use of a "
+            "budget of %.1f MiB; allow more memory or ask for a smaller output",
+            (double)bytes / 1048576.0, (double)(used - bytes) / 1048576.0,
+            (double)ctx->opt.memory / 1048576.0);
     }
     size_t peak = atomic_load(&ctx->peak);
     while (used > peak && !atomic_compare_exchange_weak(&ctx->peak, &peak, used))
@@ -244,7 +245,8 @@ static void report(tz_ctx *ctx, double t)
     p->done = atomic_load(&ctx->done);
     p->elapsed = t - ctx->began;
     p->rate = p->elapsed > 0 && p->done > 0 ? (double)p->done / p->elapsed : 0;
-    p->left = p->rate > 0 && p->total >= p->done ? (double)(p->total - p->done) / p->rate : -1;
+    p->left =
+        p->rate > 0 && p->total >= p->done ? (double)(p->total - p->done) / p->rate : -1;
     ctx->reported = t;
     ctx->opt.on_progress(ctx->opt.user, p);
 }
@@ -254,7 +256,8 @@ void tz_progress_begin(tz_ctx *ctx, const char *stage, const char *unit, int64_t
     if (!ctx)
         return;
     pthread_mutex_lock(&ctx->progress_lock);
-    ctx->progress = (tz_progress){.stage = stage, .unit = unit, .total = total, .left = -1};
+    ctx->progress =
+        (tz_progress){.stage = stage, .unit = unit, .total = total, .left = -1};
     ctx->began = now();
     atomic_store(&ctx->done, 0);
     if (ctx->opt.on_progress)
@@ -334,7 +337,8 @@ static void start_pool(tz_ctx *ctx)
     sigfillset(&all); /* signals go to the program's own threads */
     pthread_sigmask(SIG_SETMASK, &all, &old);
     for (int i = ctx->started + 1; i < ctx->threads; i++) {
-        if (pthread_create(&ctx->workers[i].thread, NULL, pool_main, &ctx->workers[i]) != 0)
+        if (pthread_create(&ctx->workers[i].thread, NULL, pool_main, &ctx->workers[i]) !=
+            0)
             break;
         ctx->started = i;
     }

@@ -26,16 +26,18 @@ typedef struct tz_progress {
 } tz_progress;
 
 typedef struct tz_ctx_options {
-    int threads;         /**< worker threads; 0 = all processors */
-    size_t memory;       /**< budget of tz_alloc in bytes; 0 = no limit */
-    int64_t fail_alloc;  /**< test hook: the n-th allocation (1 = first) fails; 0 = never */
+    int threads;   /**< worker threads; 0 = all processors */
+    size_t memory; /**< budget of tz_alloc in bytes; 0 = no limit */
+    int64_t
+        fail_alloc; /**< test hook: the n-th allocation (1 = first) fails; 0 = never */
     void (*on_progress)(void *user, const tz_progress *p); /**< NULL = silent; at most
         every 50 ms, never from two threads at once */
     void (*on_warning)(void *user, const char *message);   /**< NULL = dropped */
     void *user;
 } tz_ctx_options;
 
-/** @param[in] opt NULL for all defaults  @return TZ_OK, TZ_NOMEM; *out untouched on error */
+/** @param[in] opt NULL for all defaults  @return TZ_OK, TZ_NOMEM; *out untouched on error
+ */
 TZ_API tz_status tz_ctx_new(const tz_ctx_options *opt, tz_ctx **out);
 TZ_API void tz_ctx_free(tz_ctx *ctx); /**< takes NULL */
 
@@ -51,8 +53,8 @@ TZ_API void tz_ctx_cancel(tz_ctx *ctx);
 TZ_API bool tz_ctx_cancelled(const tz_ctx *ctx);
 
 /** Records the message unless an earlier error already did; returns `s`, so that callers
- * write `return tz_fail(ctx, TZ_INVALID, "%s: ...", path);`. ctx NULL is allowed. Messages
- * name the file, the place and the remedy, in one line without a full stop. */
+ * write `return tz_fail(ctx, TZ_INVALID, "%s: ...", path);`. ctx NULL is allowed.
+ * Messages name the file, the place and the remedy, in one line without a full stop. */
 TZ_API tz_status tz_fail(tz_ctx *ctx, tz_status s, const char *fmt, ...) TZ_PRINTF(3, 4);
 /** First error's message, "" if none. Valid until tz_ctx_clear or tz_ctx_free. */
 TZ_API const char *tz_ctx_message(const tz_ctx *ctx);
@@ -69,11 +71,12 @@ TZ_API void tz_progress_end(tz_ctx *ctx);
 
 /** Body of a parallel loop.
  * @param i       index of the item, each of 0..n-1 exactly once
- * @param worker  0..tz_ctx_threads-1: index of scratch memory, never a source of results */
+ * @param worker  0..tz_ctx_threads-1: index of scratch memory, never a source of results
+ */
 typedef tz_status (*tz_task)(tz_ctx *ctx, void *arg, int64_t i, int worker);
 
-/** Runs `task` for i = 0..n-1 on the context's thread pool; the caller works too. Items are
- * handed out in rising order. If items fail, the status of the lowest failed index is
+/** Runs `task` for i = 0..n-1 on the context's thread pool; the caller works too. Items
+ * are handed out in rising order. If items fail, the status of the lowest failed index is
  * returned and its message kept, at any thread count; no new items start after a failure
  * or cancel. Nested calls run serially in the calling worker.
  * @return TZ_OK, TZ_CANCELLED, or what a task returned */

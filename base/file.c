@@ -27,7 +27,8 @@ static int slot_claim(const char *name)
         return -1;
     for (int i = 0; i < SLOTS; i++) {
         int expected = SLOT_FREE;
-        if (atomic_compare_exchange_strong(&open_temps[i].state, &expected, SLOT_FILLING)) {
+        if (atomic_compare_exchange_strong(&open_temps[i].state, &expected,
+                                           SLOT_FILLING)) {
             strcpy(open_temps[i].name, name);
             atomic_store(&open_temps[i].state, SLOT_USED);
             return i;
@@ -49,22 +50,31 @@ void tz_file_cleanup(void)
             unlink(open_temps[i].name);
 }
 
-/* ---- reading ------------------------------------------------------------------------ */
+/* ---- reading ------------------------------------------------------------------------
+ */
 
 static const char *remedy(int error)
 {
     switch (error) {
-    case ENOENT: return "check the name";
+    case ENOENT:
+        return "check the name";
     case EACCES:
-    case EPERM: return "check its permissions";
-    case EISDIR: return "name a file in it";
+    case EPERM:
+        return "check its permissions";
+    case EISDIR:
+        return "name a file in it";
     case ENOSPC:
-    case EDQUOT: return "free some space or write elsewhere";
-    case EROFS: return "write elsewhere";
-    case ENOTDIR: return "a part of the path is a file";
+    case EDQUOT:
+        return "free some space or write elsewhere";
+    case EROFS:
+        return "write elsewhere";
+    case ENOTDIR:
+        return "a part of the path is a file";
     case EMFILE:
-    case ENFILE: return "close other files";
-    default: return "check the device";
+    case ENFILE:
+        return "close other files";
+    default:
+        return "check the device";
     }
 }
 
@@ -77,8 +87,8 @@ static tz_status fail_errno(tz_ctx *ctx, const char *path, const char *what, int
 }
 
 /* Reads on until the end, growing the buffer; `hint` is the expected size. */
-static tz_status read_stream(tz_ctx *ctx, FILE *f, const char *path, size_t max, size_t hint,
-                             char **out, size_t *size)
+static tz_status read_stream(tz_ctx *ctx, FILE *f, const char *path, size_t max,
+                             size_t hint, char **out, size_t *size)
 {
     char *data = NULL;
     size_t n = 0, cap = hint + 2; /* one for the zero, one to see the end in one read */
@@ -91,8 +101,8 @@ static tz_status read_stream(tz_ctx *ctx, FILE *f, const char *path, size_t max,
         size_t want = cap - 1 - n, got = fread(data + n, 1, want, f);
         n += got;
         if (n > max) {
-            s = tz_fail(ctx, TZ_LIMIT, "%s: the file is larger than the limit of %zu bytes",
-                        path, max);
+            s = tz_fail(ctx, TZ_LIMIT,
+                        "%s: the file is larger than the limit of %zu bytes", path, max);
         } else if (got < want) {
             if (ferror(f))
                 s = fail_errno(ctx, path, "cannot read", errno);
@@ -134,7 +144,8 @@ static tz_status open_regular(tz_ctx *ctx, const char *path, FILE **out, size_t 
     return TZ_OK;
 }
 
-tz_status tz_file_read(tz_ctx *ctx, const char *path, size_t max, char **out, size_t *size)
+tz_status tz_file_read(tz_ctx *ctx, const char *path, size_t max, char **out,
+                       size_t *size)
 {
     if (strcmp(path, "-") == 0)
         return read_stream(ctx, stdin, "standard input", max, 65536, out, size);
@@ -152,7 +163,8 @@ tz_status tz_file_read(tz_ctx *ctx, const char *path, size_t max, char **out, si
     return s;
 }
 
-/* ---- writing ------------------------------------------------------------------------ */
+/* ---- writing ------------------------------------------------------------------------
+ */
 
 static void out_free(tz_file_out *out)
 {

@@ -15,8 +15,8 @@ TZ_API tz_status tz_file_read(tz_ctx *ctx, const char *path, size_t max, char **
                               size_t *size);
 
 /** Output file: temporary name in the target's folder, renamed by commit. "-" = standard
- * output, directly. Temporary files are removed on SIGINT/SIGTERM too if the program calls
- * tz_file_cleanup from its handler. */
+ * output, directly. Temporary files are removed on SIGINT/SIGTERM too if the program
+ * calls tz_file_cleanup from its handler. */
 typedef struct tz_file_out {
     FILE *f;
     char *path, *temp; /* temp NULL for standard output */

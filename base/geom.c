@@ -4,9 +4,8 @@
 tz_affine tz_affine_then(tz_affine p, tz_affine q)
 {
     return (tz_affine){
-        q.a * p.a + q.c * p.b,       q.b * p.a + q.d * p.b,
-        q.a * p.c + q.c * p.d,       q.b * p.c + q.d * p.d,
-        q.a * p.e + q.c * p.f + q.e, q.b * p.e + q.d * p.f + q.f,
+        q.a * p.a + q.c * p.b, q.b * p.a + q.d * p.b,       q.a * p.c + q.c * p.d,
+        q.b * p.c + q.d * p.d, q.a * p.e + q.c * p.f + q.e, q.b * p.e + q.d * p.f + q.f,
     };
 }
 
@@ -29,7 +28,8 @@ bool tz_affine_invert(tz_affine m, tz_affine *out)
     return true;
 }
 
-tz_affine tz_affine_place(tz_vec2 from, tz_vec2 to, double angle, double scale, bool mirror)
+tz_affine tz_affine_place(tz_vec2 from, tz_vec2 to, double angle, double scale,
+                          bool mirror)
 {
     double c = cos(angle) * scale, s = sin(angle) * scale, x = mirror ? -1.0 : 1.0;
     tz_affine m = {x * c, x * s, -s, c, 0, 0};

@@ -13,9 +13,10 @@ tz_status tz_grid_init(tz_ctx *ctx, tz_grid *g, tz_vec2 origin, tz_vec2 size, do
 {
     memset(g, 0, sizeof *g);
     if (!(cell > 0) || !(size.x > 0) || !(size.y > 0) || !isfinite(cell) ||
-        !isfinite(size.x) || !isfinite(size.y) || !isfinite(origin.x) || !isfinite(origin.y))
-        return tz_fail(ctx, TZ_INVALID, "grid of %g x %g with cells of %g", size.x, size.y,
-                       cell);
+        !isfinite(size.x) || !isfinite(size.y) || !isfinite(origin.x) ||
+        !isfinite(origin.y))
+        return tz_fail(ctx, TZ_INVALID, "grid of %g x %g with cells of %g", size.x,
+                       size.y, cell);
     /* rounded down: cells are never smaller than asked, so a query of radius `cell` sees
      * at most 3 x 3 of them */
     double nx = fmax(1, floor(size.x / cell)), ny = fmax(1, floor(size.y / cell));
@@ -127,7 +128,8 @@ static void keep_lowest(int32_t *out, int32_t kept, int32_t max, int32_t id)
     }
 }
 
-int32_t tz_grid_query(const tz_grid *g, tz_vec2 p, double radius, int32_t *out, int32_t max)
+int32_t tz_grid_query(const tz_grid *g, tz_vec2 p, double radius, int32_t *out,
+                      int32_t max)
 {
     double x0 = cell_at(p.x - radius, g->origin.x, g->size.x, g->nx);
     double x1 = cell_at(p.x + radius, g->origin.x, g->size.x, g->nx);

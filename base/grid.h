@@ -8,17 +8,19 @@
 #include "base/geom.h"
 
 typedef struct tz_grid {
-    tz_vec2 origin, size;  /**< covered rectangle */
-    double cell;           /**< cell side (x and y may differ a little on a torus) */
+    tz_vec2 origin, size; /**< covered rectangle */
+    double cell;          /**< cell side (x and y may differ a little on a torus) */
     int32_t nx, ny;
     bool wrap;
-    int32_t *head;         /**< nx * ny, first item of a cell or -1 */
-    TZ_ARRAY(int32_t) next; /**< per item: next in its cell or -1; -2 = removed */
-    TZ_ARRAY(tz_vec2) point;
+    int32_t *head; /**< nx * ny, first item of a cell or -1 */
+    TZ_ARRAY(int32_t)
+    next; /**< per item: next in its cell or -1; -2 = removed */
+    TZ_ARRAY(tz_vec2)
+    point;
 } tz_grid;
 
-/** Empty grid; cell > 0; cells are capped at 2^24. Points outside are clamped to the border
- * cells (or wrapped). */
+/** Empty grid; cell > 0; cells are capped at 2^24. Points outside are clamped to the
+ * border cells (or wrapped). */
 TZ_API tz_status tz_grid_init(tz_ctx *ctx, tz_grid *g, tz_vec2 origin, tz_vec2 size,
                               double cell, bool wrap);
 TZ_API void tz_grid_deinit(tz_ctx *ctx, tz_grid *g);

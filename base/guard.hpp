@@ -5,7 +5,8 @@
  *
  *   extern "C" tz_status tz_edges_sobel(tz_ctx *ctx, ...)
  *   {
- *       return tz_guard(ctx, "edges", [&]() -> tz_status { cv::Sobel(...); return TZ_OK; });
+ *       return tz_guard(ctx, "edges", [&]() -> tz_status { cv::Sobel(...); return TZ_OK;
+ * });
  *   } */
 #ifndef TZ_BASE_GUARD_HPP
 #define TZ_BASE_GUARD_HPP
@@ -17,7 +18,8 @@ extern "C" {
 #include "base/ctx.h"
 }
 
-template <class F> tz_status tz_guard(tz_ctx *ctx, const char *what, F &&body) noexcept
+template <class F>
+tz_status tz_guard(tz_ctx *ctx, const char *what, F &&body) noexcept
 {
     try {
         return body();

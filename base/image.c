@@ -35,7 +35,7 @@ static inline double root5(double x)
 {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
-    bits = bits / 5 + UINT64_C(0x33197F62B7C2F000);
+    bits = bits / 5 + UINT64_C(0x3326666666666666);
     double y;
     memcpy(&y, &bits, sizeof y);
     for (int i = 0; i < 3; i++) {
@@ -77,7 +77,8 @@ tz_status tz_image_init(tz_ctx *ctx, tz_image *im, int32_t width, int32_t height
                         int32_t channels)
 {
     memset(im, 0, sizeof *im);
-    if (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE || height > TZ_IMAGE_MAX_SIDE)
+    if (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE ||
+        height > TZ_IMAGE_MAX_SIDE)
         return tz_fail(ctx, TZ_INVALID, "image of %d x %d pixels: sides must be 1 to %d",
                        width, height, TZ_IMAGE_MAX_SIDE);
     if (channels < 1 || channels > TZ_IMAGE_MAX_CHANNELS)
@@ -91,7 +92,8 @@ tz_status tz_image_init(tz_ctx *ctx, tz_image *im, int32_t width, int32_t height
                   .depth = 32,
                   .owns = true,
                   .ctx = ctx};
-    tz_status s = tz_alloc_zero(ctx, &t.px, (size_t)height * (size_t)t.stride, sizeof *t.px);
+    tz_status s =
+        tz_alloc_zero(ctx, &t.px, (size_t)height * (size_t)t.stride, sizeof *t.px);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &t.names, (size_t)channels, sizeof *t.names);
     if (s != TZ_OK) {
@@ -248,7 +250,8 @@ tz_status tz_image_set_meta_line(tz_image *im, const char *text, size_t size)
     while (size > 0 && (text[size - 1] == 0 || text[size - 1] == '\n'))
         size--;
     size_t k = 0; /* length of the key */
-    while (k < size && k < 64 && (isalnum((unsigned char)text[k]) || strchr("_.:-", text[k])) &&
+    while (k < size && k < 64 &&
+           (isalnum((unsigned char)text[k]) || strchr("_.:-", text[k])) &&
            !(text[k] == ':' && k + 1 < size && text[k + 1] == ' '))
         k++;
     bool keyed = k > 0 && k + 1 < size && text[k] == ':' && text[k + 1] == ' ';

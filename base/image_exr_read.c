@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* EXR through OpenEXRCore: part 0 where it is flat, in tiles or scanlines, decoded on all
- * workers straight into the image. Deep data, sub-sampled and integer channels are left to
+ * workers. Deep data, sub-sampled and integer channels are left to
  * OpenImageIO (TZ_UNSUPPORTED without a message). */
 #include "base/image_internal.h"
 
@@ -51,11 +51,13 @@ static tz_status fail(const reader *r, exr_result_t rc)
     if (rc == EXR_ERR_OUT_OF_MEMORY)
         return tz_fail(r->src->ctx, TZ_NOMEM, "%s: out of memory", r->src->path);
     char why[200];
-    snprintf(why, sizeof why, "%s (truncated or damaged)", exr_get_default_error_message(rc));
+    snprintf(why, sizeof why, "%s (truncated or damaged)",
+             exr_get_default_error_message(rc));
     return tz_image_source_bad(r->src, "EXR file", why);
 }
 
-/* ---- header -------------------------------------------------------------------------- */
+/* ---- header --------------------------------------------------------------------------
+ */
 
 /* Files list channels by the alphabet; an image has R, G, B, A or Y, A first. "Y" is grey
  * unless it stands beside an X. */
@@ -99,7 +101,8 @@ static tz_status take_header(reader *r)
     for (int32_t c = 0; c < list->num_channels; c++) {
         int32_t at = 0; /* how many come before */
         for (int32_t i = 0; i < list->num_channels; i++)
-            at += rank(list, i) < rank(list, c) || (rank(list, i) == rank(list, c) && i < c);
+            at += rank(list, i) < rank(list, c) ||
+                  (rank(list, i) == rank(list, c) && i < c);
         r->place[c] = at;
         memset(r->im->names[at], 0, sizeof *r->im->names);
         strncpy(r->im->names[at], list->entries[c].name.str, sizeof *r->im->names - 1);
@@ -127,8 +130,8 @@ static tz_status keep_text(reader *r)
         const exr_attribute_t *a;
         if (exr_get_attribute_by_index(r->ctx, 0, EXR_ATTR_LIST_FILE_ORDER, i, &a) !=
                 EXR_ERR_SUCCESS ||
-            a->type != EXR_ATTR_STRING || !a->string->str || strcmp(a->name, "type") == 0 ||
-            strcmp(a->name, "name") == 0)
+            a->type != EXR_ATTR_STRING || !a->string->str ||
+            strcmp(a->name, "type") == 0 || strcmp(a->name, "name") == 0)
             continue;
         tz_status s = tz_image_set_meta(r->im, a->name, a->string->str);
         if (s != TZ_OK)
@@ -137,33 +140,91 @@ static tz_status keep_text(reader *r)
     return TZ_OK;
 }
 
-/* ---- pixels --------------------------------------------------------------------------- */
+/* ---- pixels ---------------------------------------------------------------------------
+ */
 
-static exr_result_t decode_chunk(const reader *r, const exr_chunk_info_t *info, int32_t x,
-                                 int32_t y)
+/* Half to float: the exponent is moved by a multiplication, which gets the smallest
+ * numbers right too; infinity and not-a-number stay not finite. */
+static inline float from_half(uint16_t h)
 {
+    uint32_t bits = (uint32_t)(h & 0x7fff) << 13, sign = (uint32_t)(h & 0x8000) << 16;
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    x *= 0x1p112f;
+    memcpy(&bits, &x, sizeof bits);
+    bits |= sign | ((h & 0x7c00) == 0x7c00 ? 0x7f800000u : 0);
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static void place_row(const uint8_t *from, bool half, int32_t n, float *to, int32_t step)
+{
+    if (half)
+        for (int32_t i = 0; i < n; i++) {
+            uint16_t h;
+            memcpy(&h, from + 2 * (ptrdiff_t)i, sizeof h);
+            to[(ptrdiff_t)i * step] = from_half(h);
+        }
+    else
+        for (int32_t i = 0; i < n; i++)
+            memcpy(to + (ptrdiff_t)i * step, from + 4 * (ptrdiff_t)i, sizeof *to);
+}
+
+/* The library decodes into planes of the file's own type; we interleave and convert. (Its
+ * own routine for four interleaved channels gives them in reverse, in version 3.1.5.) */
+static tz_status unpack(const reader *r, exr_decode_pipeline_t *pipe, int32_t x,
+                        int32_t y, uint8_t *planes)
+{
+    const tz_image *im = r->im;
+    int32_t w = pipe->chunk.width, h = pipe->chunk.height;
+    size_t plane = (size_t)w * (size_t)h * sizeof(float);
+    for (int c = 0; c < pipe->channel_count; c++) {
+        exr_coding_channel_info_t *ch = &pipe->channels[c];
+        ch->decode_to_ptr = planes + plane * (size_t)c;
+        ch->user_bytes_per_element = ch->bytes_per_element;
+        ch->user_data_type = ch->data_type;
+        ch->user_pixel_stride = ch->bytes_per_element;
+        ch->user_line_stride = ch->bytes_per_element * w;
+    }
+    exr_result_t rc = exr_decoding_choose_default_routines(r->ctx, 0, pipe);
+    if (rc == EXR_ERR_SUCCESS)
+        rc = exr_decoding_run(r->ctx, 0, pipe);
+    if (rc != EXR_ERR_SUCCESS)
+        return fail(r, rc);
+    for (int c = 0; c < pipe->channel_count; c++) {
+        const exr_coding_channel_info_t *ch = &pipe->channels[c];
+        for (int32_t row = 0; row < h; row++)
+            place_row(planes + plane * (size_t)c +
+                          (size_t)row * (size_t)ch->user_line_stride,
+                      ch->data_type == EXR_PIXEL_HALF, w,
+                      tz_image_at(im, x, y + row) + r->place[c], im->channels);
+    }
+    return TZ_OK;
+}
+
+static tz_status decode_chunk(const reader *r, const exr_chunk_info_t *info, int32_t x,
+                              int32_t y)
+{
+    const tz_image *im = r->im;
     exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
     exr_result_t rc = exr_decoding_initialize(r->ctx, 0, info, &pipe);
     if (rc != EXR_ERR_SUCCESS)
-        return rc;
-    const tz_image *im = r->im;
+        return fail(r, rc);
+    uint8_t *planes = NULL;
+    tz_status s = TZ_OK;
     if (pipe.channel_count != im->channels || x < 0 || y < 0 || x >= im->width ||
-        y >= im->height || info->width > im->width - x || info->height > im->height - y)
-        rc = EXR_ERR_BAD_CHUNK_LEADER;
-    for (int c = 0; c < pipe.channel_count && rc == EXR_ERR_SUCCESS; c++) {
-        exr_coding_channel_info_t *ch = &pipe.channels[c];
-        ch->decode_to_ptr = (uint8_t *)(tz_image_at(im, x, y) + r->place[c]);
-        ch->user_bytes_per_element = sizeof(float);
-        ch->user_data_type = EXR_PIXEL_FLOAT;
-        ch->user_pixel_stride = im->channels * (int32_t)sizeof(float);
-        ch->user_line_stride = (int32_t)(im->stride * (int64_t)sizeof(float));
-    }
-    if (rc == EXR_ERR_SUCCESS)
-        rc = exr_decoding_choose_default_routines(r->ctx, 0, &pipe);
-    if (rc == EXR_ERR_SUCCESS)
-        rc = exr_decoding_run(r->ctx, 0, &pipe);
+        y >= im->height || info->width < 1 || info->height < 1 ||
+        info->width > im->width - x || info->height > im->height - y)
+        s = fail(r, EXR_ERR_BAD_CHUNK_LEADER);
+    if (s == TZ_OK)
+        s = tz_alloc(r->src->ctx, &planes,
+                     (size_t)info->width * (size_t)info->height * (size_t)im->channels,
+                     sizeof(float));
+    if (s == TZ_OK)
+        s = unpack(r, &pipe, x, y, planes);
     exr_decoding_destroy(r->ctx, &pipe);
-    return rc;
+    tz_free(r->src->ctx, planes);
+    return s;
 }
 
 static tz_status read_chunk(tz_ctx *ctx, void *arg, int64_t index, int worker)
@@ -177,9 +238,9 @@ static tz_status read_chunk(tz_ctx *ctx, void *arg, int64_t index, int worker)
     exr_result_t rc =
         r->tiled ? exr_read_tile_chunk_info(r->ctx, 0, tx, ty, 0, 0, &info)
                  : exr_read_scanline_chunk_info(r->ctx, 0, r->window.min.y + y, &info);
-    if (rc == EXR_ERR_SUCCESS)
-        rc = decode_chunk(r, &info, r->tiled ? tx * r->tile_w : 0, y);
-    return rc == EXR_ERR_SUCCESS ? TZ_OK : fail(r, rc);
+    if (rc != EXR_ERR_SUCCESS)
+        return fail(r, rc);
+    return decode_chunk(r, &info, r->tiled ? tx * r->tile_w : 0, y);
 }
 
 /* EXR colour is multiplied by alpha, ours is not. */

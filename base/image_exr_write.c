@@ -4,9 +4,9 @@
  * The core library writes headers, chunk table and chunks; the chunks themselves are
  * packed here, on all workers: its own ZIP goes through zlib at about 25 MB/s a core, the
  * same format through libdeflate at 150 and more. A ZIP chunk is the tile's samples (line
- * by line, channel after channel in alphabetical order), low bytes before high bytes, each
- * byte as the difference from the one before, in a zlib stream; or the plain samples where
- * that would be larger. */
+ * by line, channel after channel in alphabetical order), low bytes before high bytes,
+ * each byte as the difference from the one before, in a zlib stream; or the plain samples
+ * where that would be larger. */
 #include "base/image_sink_internal.h"
 
 #include <errno.h>
@@ -30,7 +30,7 @@ typedef struct exr {
     exr_context_t ctx;
     FILE *f; /* the sink's file, or a temporary one where output is a pipe */
     bool piped;
-    int error; /* errno of the first failed write */
+    int error;                            /* errno of the first failed write */
     int32_t order[TZ_IMAGE_MAX_CHANNELS]; /* file order -> channel of the band */
     int32_t across;
     tile *tiles; /* one row of them */
@@ -39,8 +39,9 @@ typedef struct exr {
     size_t tile_bytes;
 } exr;
 
-static int64_t on_write(exr_const_context_t ctxt, void *user, const void *data, uint64_t size,
-                        uint64_t offset, exr_stream_error_func_ptr_t error_cb)
+static int64_t on_write(exr_const_context_t ctxt, void *user, const void *data,
+                        uint64_t size, uint64_t offset,
+                        exr_stream_error_func_ptr_t error_cb)
 {
     (void)ctxt;
     (void)error_cb;
@@ -83,7 +84,8 @@ static tz_status fail(tz_image_sink *sink, exr_result_t rc)
                    sink->shown, exr_get_default_error_message(rc));
 }
 
-/* ---- opening --------------------------------------------------------------------------- */
+/* ---- opening
+ * --------------------------------------------------------------------------- */
 
 static tz_status make_buffers(tz_image_sink *sink)
 {
@@ -136,11 +138,13 @@ static exr_result_t write_header(tz_image_sink *sink)
             w->ctx, 0, sink->width, sink->height,
             sink->compression > 0 ? EXR_COMPRESSION_ZIP : EXR_COMPRESSION_NONE);
     if (rc == EXR_ERR_SUCCESS)
-        rc = exr_set_tile_descriptor(w->ctx, 0, (uint32_t)sink->tile, (uint32_t)sink->tile,
-                                     EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN);
+        rc =
+            exr_set_tile_descriptor(w->ctx, 0, (uint32_t)sink->tile, (uint32_t)sink->tile,
+                                    EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN);
     for (int32_t c = 0; c < sink->channels && rc == EXR_ERR_SUCCESS; c++)
         rc = exr_add_channel(w->ctx, 0, sink->names[w->order[c]],
-                             sink->type == TZ_SAMPLE_HALF ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
+                             sink->type == TZ_SAMPLE_HALF ? EXR_PIXEL_HALF
+                                                          : EXR_PIXEL_FLOAT,
                              EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     /* a name that the format reserves for an attribute of another type is left out */
     for (int32_t i = 0; i < sink->carrier.meta.n && rc == EXR_ERR_SUCCESS; i++) {
@@ -166,7 +170,8 @@ static tz_status exr_open(tz_image_sink *sink)
     w->piped = !sink->out.temp; /* pipes cannot go back to fill in the chunk table */
     if (w->piped && !(w->f = tmpfile())) {
         w->piped = false;
-        return tz_fail(sink->ctx, TZ_IO, "%s: no temporary file; set TMPDIR", sink->shown);
+        return tz_fail(sink->ctx, TZ_IO, "%s: no temporary file; set TMPDIR",
+                       sink->shown);
     }
     sort_channels(sink);
     s = make_buffers(sink);
@@ -176,13 +181,15 @@ static tz_status exr_open(tz_image_sink *sink)
     init.error_handler_fn = on_error;
     init.user_data = w;
     init.write_fn = on_write;
-    exr_result_t rc = exr_start_write(&w->ctx, sink->shown, EXR_WRITE_FILE_DIRECTLY, &init);
+    exr_result_t rc =
+        exr_start_write(&w->ctx, sink->shown, EXR_WRITE_FILE_DIRECTLY, &init);
     if (rc == EXR_ERR_SUCCESS)
         rc = write_header(sink);
     return rc == EXR_ERR_SUCCESS ? TZ_OK : fail(sink, rc);
 }
 
-/* ---- tiles --------------------------------------------------------------------------------- */
+/* ---- tiles
+ * --------------------------------------------------------------------------------- */
 
 typedef struct band_job {
     tz_image_sink *sink;

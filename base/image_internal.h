@@ -16,7 +16,8 @@ tz_status tz_image_set_meta_line(tz_image *im, const char *text, size_t size);
 /** Replaces NaN and infinity by 0. @return how many there were */
 int64_t tz_image_make_finite(tz_image *im);
 
-/* ---- readers ------------------------------------------------------------------------ */
+/* ---- readers ------------------------------------------------------------------------
+ */
 
 /** One file to be read, as the codecs see it. */
 typedef struct tz_image_source {
@@ -33,9 +34,9 @@ typedef struct tz_image_source {
  * divided by their largest value, still in the file's own encoding. */
 typedef struct tz_image_found {
     tz_encoding encoding; /**< of the file: LINEAR or SRGB */
-    double gamma;         /**< file gamma (value = light^gamma) where it is neither, or 0 */
-    int orientation;      /**< Exif, 1..8; 0 = none */
-    int64_t not_finite;   /**< numbers replaced by 0 */
+    double gamma;       /**< file gamma (value = light^gamma) where it is neither, or 0 */
+    int orientation;    /**< Exif, 1..8; 0 = none */
+    int64_t not_finite; /**< numbers replaced by 0 */
 } tz_image_found;
 
 /** Checks sizes against the limits, then tz_image_init. Every codec starts with it. */

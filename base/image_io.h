@@ -2,16 +2,17 @@
 /** @file
  * Images on disk. Reading: PNG, JPEG, TIFF, WebP, HDR, EXR (and what else OpenImageIO
  * knows), 8/16 bit, half, float. Writing is streamed, goes to a temporary file beside the
- * target and is renamed when complete: no partial file ever stands under the final name. */
+ * target and is renamed when complete: no partial file ever stands under the final name.
+ */
 #ifndef TZ_BASE_IMAGE_IO_H
 #define TZ_BASE_IMAGE_IO_H
 
 #include "base/image.h"
 
 typedef struct tz_image_read_options {
-    bool data;           /**< a non-colour map (normal, height, ...): no colour conversion */
-    tz_encoding want;    /**< for colour: TZ_ENCODING_LINEAR or TZ_ENCODING_SRGB */
-    int64_t max_pixels;  /**< 0 = 2^30; larger files give TZ_LIMIT */
+    bool data;        /**< a non-colour map (normal, height, ...): no colour conversion */
+    tz_encoding want; /**< for colour: TZ_ENCODING_LINEAR or TZ_ENCODING_SRGB */
+    int64_t max_pixels; /**< 0 = 2^30; larger files give TZ_LIMIT */
 } tz_image_read_options;
 
 /** Reads a whole image. "-" reads standard input. Palette and CMYK become RGB, grey stays
@@ -47,15 +48,17 @@ typedef struct tz_image_sink tz_image_sink;
 
 /** @param like  channels, names, alpha, encoding and metadata of what will come (its size
  *   and pixels are not looked at)
- *  @return TZ_OK; TZ_INVALID, TZ_IO, TZ_UNSUPPORTED (extension, channel count), TZ_NOMEM */
+ *  @return TZ_OK; TZ_INVALID, TZ_IO, TZ_UNSUPPORTED (extension, channel count), TZ_NOMEM
+ */
 TZ_API tz_status tz_image_sink_open(tz_ctx *ctx, const char *path, int32_t width,
                                     int32_t height, const tz_image *like,
                                     const tz_image_write_options *opt,
                                     tz_image_sink **out);
-/** Next rows.height rows; rows.width = the sink's width. Rows are converted from their own
- * encoding to the file's (integer formats sRGB for colour, EXR/HDR linear). */
+/** Next rows.height rows; rows.width = the sink's width. Rows are converted from their
+ * own encoding to the file's (integer formats sRGB for colour, EXR/HDR linear). */
 TZ_API tz_status tz_image_sink_rows(tz_image_sink *sink, const tz_image *rows);
-/** Flushes, closes and renames; on failure the temporary file is removed. Frees the sink. */
+/** Flushes, closes and renames; on failure the temporary file is removed. Frees the sink.
+ */
 TZ_API tz_status tz_image_sink_close(tz_image_sink *sink);
 /** Removes the temporary file and frees; takes NULL. */
 TZ_API void tz_image_sink_abort(tz_image_sink *sink);

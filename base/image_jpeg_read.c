@@ -53,7 +53,8 @@ static tz_status keep_markers(reader *r, tz_image *im, tz_image_found *found)
             memcmp(m->data, "Exif\0\0", 6) == 0) {
             found->orientation = tz_exif_orientation(m->data + 6, m->data_length - 6);
         } else if (m->marker == JPEG_COM) {
-            tz_status s = tz_image_set_meta_line(im, (const char *)m->data, m->data_length);
+            tz_status s =
+                tz_image_set_meta_line(im, (const char *)m->data, m->data_length);
             if (s != TZ_OK)
                 return s;
         }

@@ -45,7 +45,8 @@ static tz_status failed(tz_image_sink *sink)
     if (w->err.msg_code == JERR_OUT_OF_MEMORY)
         return tz_fail(sink->ctx, TZ_NOMEM, "%s: out of memory", sink->shown);
     w->err.format_message((j_common_ptr)&w->c, text);
-    return tz_fail(sink->ctx, TZ_UNSUPPORTED, "%s: %s; write png or tif", sink->shown, text);
+    return tz_fail(sink->ctx, TZ_UNSUPPORTED, "%s: %s; write png or tif", sink->shown,
+                   text);
 }
 
 static tz_status put_comments(tz_image_sink *sink)

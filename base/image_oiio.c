@@ -3,7 +3,10 @@
  * module that keeps its 260 shared libraries out of our start-up. */
 #include "base/image_oiio_module.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/image_internal.h"
 #include "base/module.h"
@@ -19,7 +22,8 @@ typedef struct receiver {
 static float *on_begin(void *user, const tz_oiio_head *head)
 {
     receiver *r = user;
-    r->status = tz_image_source_init(r->src, head->width, head->height, head->channels, r->im);
+    r->status =
+        tz_image_source_init(r->src, head->width, head->height, head->channels, r->im);
     if (r->status != TZ_OK)
         return NULL;
     r->im->alpha = head->alpha;
@@ -75,6 +79,28 @@ int64_t tz_image_make_finite(tz_image *im)
     return count;
 }
 
+/* Few of OpenImageIO's formats read from memory: standard input goes through a file. */
+static tz_status spool_input(const tz_image_source *src, char *name, size_t size)
+{
+    const char *dir = getenv("TMPDIR");
+    if (!dir || strlen(dir) > size - 20)
+        dir = "/tmp";
+    snprintf(name, size, "%s/terrazzo.XXXXXX", dir);
+    int fd = mkstemp(name);
+    FILE *f = fd >= 0 ? fdopen(fd, "wb") : NULL;
+    bool bad = !f || fwrite(src->data, 1, src->size, f) != src->size;
+    if (f)
+        bad |= fclose(f) != 0;
+    else if (fd >= 0)
+        close(fd);
+    if (!bad)
+        return TZ_OK;
+    if (fd >= 0)
+        unlink(name);
+    return tz_fail(src->ctx, TZ_IO, "%s: no room for a temporary file in %s; set TMPDIR",
+                   src->path, dir);
+}
+
 tz_status tz_oiio_read(const tz_image_source *src, tz_image *im, tz_image_found *found)
 {
     const tz_oiio_api *api;
@@ -84,8 +110,12 @@ tz_status tz_oiio_read(const tz_image_source *src, tz_image *im, tz_image_found 
     receiver r = {.src = src, .im = im, .found = found};
     tz_oiio_reader call = {&r, on_begin, on_name, on_meta, on_cancelled};
     char why[300] = "";
-    int rc = api->read(src->path, src->piped ? src->data : NULL, src->size, &call, why,
-                       sizeof why);
+    char spool[64] = "";
+    if (src->piped && (s = spool_input(src, spool, sizeof spool)) != TZ_OK)
+        return s;
+    int rc = api->read(spool[0] ? spool : src->path, &call, why, sizeof why);
+    if (spool[0])
+        unlink(spool);
     if (rc == 0)
         s = r.status;
     else if (r.status != TZ_OK)

@@ -2,15 +2,16 @@
 /* The OpenImageIO module: what base/image_oiio_module.h says, and no more. */
 #include "base/image_oiio_module.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
 #include <string>
+#include <vector>
 
 using namespace OIIO;
 
@@ -32,7 +33,8 @@ int fail(int code, const std::string &text, char *why, size_t n)
     return code;
 }
 
-template <class F> int guard(char *why, size_t n, F &&body) noexcept
+template <class F>
+int guard(char *why, size_t n, F &&body) noexcept
 {
     try {
         return body();
@@ -52,23 +54,23 @@ int depth_of(TypeDesc t)
 {
     switch (t.basetype) {
     case TypeDesc::UINT8:
-    case TypeDesc::INT8: return 8;
-    case TypeDesc::HALF: return 17;
+    case TypeDesc::INT8:
+        return 8;
+    case TypeDesc::HALF:
+        return 17;
     case TypeDesc::FLOAT:
-    case TypeDesc::DOUBLE: return 32;
-    default: return 16;
+    case TypeDesc::DOUBLE:
+        return 32;
+    default:
+        return 16;
     }
 }
 
-int read_image(const char *path, const void *data, size_t size, const tz_oiio_reader *r,
-               char *why, size_t n)
+int read_image(const char *path, const tz_oiio_reader *r, char *why, size_t n)
 {
-    std::unique_ptr<Filesystem::IOMemReader> memory;
     ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    if (data)
-        memory = std::make_unique<Filesystem::IOMemReader>(const_cast<void *>(data), size);
-    auto in = ImageInput::open(path, &config, memory.get());
+    auto in = ImageInput::open(path, &config);
     if (!in) {
         std::string text = OIIO::geterror();
         bool unknown = text.find("format reader") != std::string::npos || text.empty();
@@ -84,7 +86,8 @@ int read_image(const char *path, const void *data, size_t size, const tz_oiio_re
                          spec.nchannels,
                          spec.alpha_channel,
                          depth_of(spec.format),
-                         space.empty() ? is_float : space == "Linear" || space == "linear",
+                         space.empty() ? is_float
+                                       : space == "Linear" || space == "linear",
                          spec.get_int_attribute("Orientation", 1),
                          is_float};
     float *px = r->begin(r->user, &head);
@@ -151,13 +154,33 @@ int open_image(const tz_oiio_spec *s, tz_oiio_out **out, char *why, size_t n)
     return 0;
 }
 
-int write_rows(tz_oiio_out *o, int32_t y0, int32_t y1, const void *px, char *why, size_t n)
+int write_rows(tz_oiio_out *o, int32_t y0, int32_t y1, const void *px, char *why,
+               size_t n)
 {
     const ImageSpec &s = o->spec;
-    bool ok = s.tile_width > 0
-                  ? o->file->write_tiles(0, s.width, y0, y1, 0, 1, s.format, px)
-                  : o->file->write_scanlines(y0, y1, 0, s.format, px);
-    return ok ? 0 : fail(BAD_FILE, o->file->geterror(), why, n);
+    if (s.tile_width == 0)
+        return o->file->write_scanlines(y0, y1, 0, s.format, px)
+                   ? 0
+                   : fail(BAD_FILE, o->file->geterror(), why, n);
+    /* Tile by tile, with zeros beyond the picture: write_tiles leaves whatever its memory
+     * held there, and no two files were alike. */
+    const size_t pixel = s.pixel_bytes(), side = (size_t)s.tile_width;
+    std::vector<char> tile(side * side * pixel);
+    for (int y = y0; y < y1; y += s.tile_height)
+        for (int x = 0; x < s.width; x += s.tile_width) {
+            const int rows = std::min(s.tile_height, y1 - y);
+            const size_t part = (size_t)std::min(s.tile_width, s.width - x) * pixel;
+            std::fill(tile.begin(), tile.end(), 0);
+            for (int i = 0; i < rows; i++)
+                std::memcpy(&tile[(size_t)i * side * pixel],
+                            (const char *)px +
+                                ((size_t)(y - y0 + i) * (size_t)s.width + (size_t)x) *
+                                    pixel,
+                            part);
+            if (!o->file->write_tile(x, y, 0, s.format, tile.data()))
+                return fail(BAD_FILE, o->file->geterror(), why, n);
+        }
+    return 0;
 }
 
 int close_image(tz_oiio_out *o, char *why, size_t n)
@@ -171,9 +194,8 @@ int close_image(tz_oiio_out *o, char *why, size_t n)
 extern "C" {
 __attribute__((visibility("default"))) extern const tz_oiio_api tz_oiio_api_1;
 const tz_oiio_api tz_oiio_api_1 = {
-    [](const char *path, const void *data, size_t size, const tz_oiio_reader *r, char *why,
-       size_t n) {
-        return guard(why, n, [&] { return read_image(path, data, size, r, why, n); });
+    [](const char *path, const tz_oiio_reader *r, char *why, size_t n) {
+        return guard(why, n, [&] { return read_image(path, r, why, n); });
     },
     [](const tz_oiio_spec *s, tz_oiio_out **out, char *why, size_t n) {
         return guard(why, n, [&] { return open_image(s, out, why, n); });

@@ -42,8 +42,7 @@ typedef struct tz_oiio_spec {
 /** Functions return 0, or an errno-like code with one line in `why`: 1 the file, 2 not
  * supported, 3 memory, 4 stopped by a call-back. */
 typedef struct tz_oiio_api {
-    int (*read)(const char *path, const void *data, size_t size, const tz_oiio_reader *r,
-                char *why, size_t n);
+    int (*read)(const char *path, const tz_oiio_reader *r, char *why, size_t n);
     int (*open)(const tz_oiio_spec *spec, tz_oiio_out **out, char *why, size_t n);
     /** Rows y0..y1-1, dense, of the file's own sample type; a multiple of the tile height
      * but for the last. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writing by OpenImageIO: TIFF tile row by tile row, WebP and HDR in one piece. The module
- * writes to a file of its own name, so pipes get a copy of a temporary file. */
+/* Writing by OpenImageIO: TIFF tile row by tile row, WebP and HDR in one piece. The
+ * module writes to a file of its own name, so pipes get a copy of a temporary file. */
 #include "base/image_oiio_module.h"
 
 #include <stdlib.h>
@@ -20,8 +20,8 @@ typedef struct oiio {
 static tz_status fail(tz_image_sink *sink, int rc, const char *why)
 {
     tz_status s = rc == 3 ? TZ_NOMEM : rc == 2 ? TZ_UNSUPPORTED : TZ_IO;
-    return tz_fail(sink->ctx, s, "%s: cannot write: %s; check space and folder", sink->shown,
-                   why[0] ? why : "no reason given");
+    return tz_fail(sink->ctx, s, "%s: cannot write: %s; check space and folder",
+                   sink->shown, why[0] ? why : "no reason given");
 }
 
 static tz_status spool(tz_image_sink *sink)
@@ -74,7 +74,7 @@ static tz_status oiio_open(tz_image_sink *sink)
                          .quality = sink->quality,
                          .compression = sink->compression,
                          .linear = sink->encoding != TZ_ENCODING_SRGB,
-                         .names = (const char (*)[32])sink->names,
+                         .names = (const char(*)[32])sink->names,
                          .meta = w->meta};
     if (tiled)
         sink->band_rows = sink->tile;
@@ -136,8 +136,8 @@ const tz_sink_format tz_sink_tiff = {
     .name = "tiff",
     .extensions = "tif|tiff",
     .automatic = TZ_SAMPLE_U8,
-    .types = 1u << TZ_SAMPLE_U8 | 1u << TZ_SAMPLE_U16 | 1u << TZ_SAMPLE_HALF |
-             1u << TZ_SAMPLE_FLOAT,
+    /* no half: OpenImageIO would make it float */
+    .types = 1u << TZ_SAMPLE_U8 | 1u << TZ_SAMPLE_U16 | 1u << TZ_SAMPLE_FLOAT,
     .channels = tz_sink_channels_any,
     .open = oiio_open,
     .band = oiio_band,

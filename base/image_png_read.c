@@ -95,9 +95,9 @@ static tz_status read_all(reader *r, tz_image *im, tz_image_found *found)
 {
     tz_status s;
     if (setjmp(png_jmpbuf(r->png))) {
-        return r->no_memory ? tz_fail(r->src->ctx, TZ_NOMEM, "%s: out of memory",
-                                      r->src->path)
-                            : tz_image_source_bad(r->src, "PNG file", r->why);
+        return r->no_memory
+                   ? tz_fail(r->src->ctx, TZ_NOMEM, "%s: out of memory", r->src->path)
+                   : tz_image_source_bad(r->src, "PNG file", r->why);
     }
     png_set_read_fn(r->png, r, on_read);
     /* the checks of sizes are ours: tz_image_source_init */
@@ -109,7 +109,8 @@ static tz_status read_all(reader *r, tz_image *im, tz_image_found *found)
     png_set_expand(r->png); /* palette, 1 to 4 bits, tRNS */
     int passes = png_set_interlace_handling(r->png);
     png_read_update_info(r->png, r->info);
-    s = tz_image_source_init(r->src, width, height, png_get_channels(r->png, r->info), im);
+    s = tz_image_source_init(r->src, width, height, png_get_channels(r->png, r->info),
+                             im);
     if (s != TZ_OK)
         return s;
     im->depth = wide ? 16 : 8;

@@ -27,13 +27,15 @@ typedef struct piece {
 typedef struct png {
     int32_t piece_rows;
     uint8_t *above; /* last row of the band before; zero at the top */
-    TZ_ARRAY(piece) piece;
+    TZ_ARRAY(piece)
+    piece;
     uint8_t **scratch; /* a worker: one filtered piece, and FILTERS trial rows */
     int workers;
     uint32_t adler;
 } png;
 
-/* ---- chunks -------------------------------------------------------------------------- */
+/* ---- chunks --------------------------------------------------------------------------
+ */
 
 static void put32(uint8_t *p, uint32_t v)
 {
@@ -44,8 +46,8 @@ static void put32(uint8_t *p, uint32_t v)
 }
 
 /* A chunk whose data come in two parts. */
-static tz_status put_chunk(tz_image_sink *sink, const char *type, const void *a, size_t na,
-                           const void *b, size_t nb)
+static tz_status put_chunk(tz_image_sink *sink, const char *type, const void *a,
+                           size_t na, const void *b, size_t nb)
 {
     uint8_t head[8], tail[4];
     put32(head, (uint32_t)(na + nb));
@@ -112,7 +114,8 @@ static tz_status png_open(tz_image_sink *sink)
     return s;
 }
 
-/* ---- filters ------------------------------------------------------------------------- */
+/* ---- filters -------------------------------------------------------------------------
+ */
 
 /* Predictors of PNG: none, left, above, mean of both, Paeth. `bpp`: bytes a pixel. */
 static void filter_row(int type, const uint8_t *restrict p, const uint8_t *restrict up,
@@ -121,7 +124,9 @@ static void filter_row(int type, const uint8_t *restrict p, const uint8_t *restr
     size_t i = 0;
     *to++ = (uint8_t)type;
     switch (type) {
-    case 0: memcpy(to, p, n); break;
+    case 0:
+        memcpy(to, p, n);
+        break;
     case 1:
         for (; i < bpp && i < n; i++)
             to[i] = p[i];
@@ -167,7 +172,8 @@ static uint64_t cost(const uint8_t *p, size_t n)
     return sum;
 }
 
-/* ---- pieces -------------------------------------------------------------------------- */
+/* ---- pieces --------------------------------------------------------------------------
+ */
 
 typedef struct band_job {
     tz_image_sink *sink;
@@ -177,7 +183,8 @@ typedef struct band_job {
 } band_job;
 
 /* 16-bit samples are stored high byte first. */
-static const uint8_t *big_endian(const tz_image_sink *sink, const uint8_t *row, uint8_t *to)
+static const uint8_t *big_endian(const tz_image_sink *sink, const uint8_t *row,
+                                 uint8_t *to)
 {
     if (sink->sample_size == 1)
         return row;
@@ -191,8 +198,8 @@ static const uint8_t *big_endian(const tz_image_sink *sink, const uint8_t *row, 
 }
 
 /* zlib, for the higher levels; ends on a byte by a full flush. */
-static tz_status deflate_zlib(tz_ctx *ctx, piece *out, const uint8_t *data, size_t n, int level,
-                              bool last)
+static tz_status deflate_zlib(tz_ctx *ctx, piece *out, const uint8_t *data, size_t n,
+                              int level, bool last)
 {
     z_stream z = {.next_in = (Bytef *)(uintptr_t)data,
                   .avail_in = (uInt)n,
@@ -265,7 +272,8 @@ static tz_status png_band(tz_image_sink *sink, int32_t y, int32_t n, const void 
     tz_ctx *ctx = sink->ctx;
     int32_t pieces = (n + w->piece_rows - 1) / w->piece_rows;
     tz_status s = tz_array_reserve(ctx, &w->piece, pieces);
-    size_t raw = (size_t)w->piece_rows * (sink->row_bytes + 1), room = tz_deflate_bound(raw);
+    size_t raw = (size_t)w->piece_rows * (sink->row_bytes + 1),
+           room = tz_deflate_bound(raw);
     while (w->piece.n < pieces && s == TZ_OK) {
         piece fresh = {.room = room};
         s = tz_alloc(ctx, &fresh.packed, room, 1);

@@ -19,22 +19,24 @@ tz_status tz_image_source_init(const tz_image_source *src, int64_t width, int64_
         return tz_image_source_bad(src, "image", "it has no pixels");
     if (width > TZ_IMAGE_MAX_SIDE || height > TZ_IMAGE_MAX_SIDE ||
         width > src->max_pixels / height)
-        return tz_fail(src->ctx, TZ_LIMIT,
-                       "%s: %lld x %lld pixels is more than the limit of %lld pixels and %d "
-                       "a side; scale or crop it first",
-                       src->path, (long long)width, (long long)height,
-                       (long long)src->max_pixels, TZ_IMAGE_MAX_SIDE);
+        return tz_fail(
+            src->ctx, TZ_LIMIT,
+            "%s: %lld x %lld pixels is more than the limit of %lld pixels and %d "
+            "a side; scale or crop it first",
+            src->path, (long long)width, (long long)height, (long long)src->max_pixels,
+            TZ_IMAGE_MAX_SIDE);
     if (channels > TZ_IMAGE_MAX_CHANNELS)
         return tz_fail(src->ctx, TZ_LIMIT, "%s: %d channels is more than the limit of %d",
                        src->path, channels, TZ_IMAGE_MAX_CHANNELS);
     return tz_image_init(src->ctx, im, (int32_t)width, (int32_t)height, channels);
 }
 
-tz_status tz_image_source_bad(const tz_image_source *src, const char *kind, const char *why)
+tz_status tz_image_source_bad(const tz_image_source *src, const char *kind,
+                              const char *why)
 {
     return tz_fail(src->ctx, TZ_FORMAT,
-                   "%s: not a readable %s: %s; check the file or export it again", src->path,
-                   kind, why);
+                   "%s: not a readable %s: %s; check the file or export it again",
+                   src->path, kind, why);
 }
 
 /* ---- orientation ------------------------------------------------------------------ */
@@ -67,11 +69,15 @@ tz_status tz_image_orient(tz_ctx *ctx, tz_image *im, int orientation)
     /* Exif: 2 mirror x, 3 turn 180, 4 mirror y, 5 transpose, 6 turn right, 7 transverse,
      * 8 turn left. As source x, y of output (x, y): transpose first, then mirror. */
     bool transpose = orientation >= 5;
-    bool flip_x = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
-    bool flip_y = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
-    int32_t w = transpose ? im->height : im->width, h = transpose ? im->width : im->height;
+    bool flip_x =
+        orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+    bool flip_y =
+        orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+    int32_t w = transpose ? im->height : im->width,
+            h = transpose ? im->width : im->height;
     float *px;
-    tz_status s = tz_alloc(ctx, &px, (size_t)w * (size_t)h * (size_t)im->channels, sizeof *px);
+    tz_status s =
+        tz_alloc(ctx, &px, (size_t)w * (size_t)h * (size_t)im->channels, sizeof *px);
     if (s != TZ_OK)
         return s;
     float *to = px;
@@ -209,8 +215,8 @@ tz_status tz_image_read(tz_ctx *ctx, const char *path, const tz_image_read_optio
                            .path = path,
                            .piped = strcmp(path, "-") == 0,
                            .opt = opt,
-                           .max_pixels = opt->max_pixels > 0 ? opt->max_pixels
-                                                             : (int64_t)1 << 30};
+                           .max_pixels =
+                               opt->max_pixels > 0 ? opt->max_pixels : (int64_t)1 << 30};
     char *data = NULL;
     tz_image t = {0};
     tz_image_found found = {.encoding = TZ_ENCODING_SRGB};

@@ -17,7 +17,8 @@ static const tz_sink_format *const formats[] = {
 
 #define GATHER_LIMIT ((int64_t)1 << 28)
 
-/* ---- choice of the format ------------------------------------------------------------ */
+/* ---- choice of the format ------------------------------------------------------------
+ */
 
 static bool in_list(const char *list, const char *word)
 {
@@ -34,23 +35,26 @@ static tz_status find_format(tz_image_sink *sink, const char *path, const char *
     if (!name && dot && (!slash || dot > slash))
         name = dot + 1;
     if (!name || !name[0])
-        return tz_fail(sink->ctx, TZ_UNSUPPORTED,
-                       "%s: which image format? Give a name that ends in .png, .exr, .tif, "
-                       ".jpg, .webp or .hdr, or name the format",
-                       path);
+        return tz_fail(
+            sink->ctx, TZ_UNSUPPORTED,
+            "%s: which image format? Give a name that ends in .png, .exr, .tif, "
+            ".jpg, .webp or .hdr, or name the format",
+            path);
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         if (in_list(formats[i]->extensions, name)) {
             sink->format = formats[i];
             return TZ_OK;
         }
     }
-    return tz_fail(sink->ctx, TZ_UNSUPPORTED,
-                   "%s: image format '%s' cannot be written; use png, exr, tif, jpg, webp "
-                   "or hdr",
-                   path, name);
+    return tz_fail(
+        sink->ctx, TZ_UNSUPPORTED,
+        "%s: image format '%s' cannot be written; use png, exr, tif, jpg, webp "
+        "or hdr",
+        path, name);
 }
 
-/* ---- channel rules ------------------------------------------------------------------ */
+/* ---- channel rules ------------------------------------------------------------------
+ */
 
 tz_status tz_sink_channels_any(tz_image_sink *sink, const tz_image *like)
 {
@@ -103,11 +107,13 @@ tz_status tz_sink_channels_opaque(tz_image_sink *sink, const tz_image *like)
     return s;
 }
 
-/* ---- conversion --------------------------------------------------------------------- */
+/* ---- conversion ---------------------------------------------------------------------
+ */
 
 /* Linear float -> 8-bit sRGB, exactly rounded, without a power. Codes change at 255
  * thresholds. A float's top 20 bits select one of 2^11 buckets an octave, so narrow that
- * each holds one threshold at most: the code at the bucket's start, plus one comparison. */
+ * each holds one threshold at most: the code at the bucket's start, plus one comparison.
+ */
 enum { BUCKET_SHIFT = 12, BUCKETS = 13 << 11 };
 #define FIRST_BITS 0x39000000u /* 2^-13, below the first threshold */
 
@@ -155,7 +161,8 @@ static inline uint8_t code8(const tz_image_sink *sink, float x)
 
 static inline float unit(float x) { return x > 0.0f ? (x < 1.0f ? x : 1.0f) : 0.0f; }
 
-/* Round to nearest even; beyond the range of a half the largest one, not a number gives 0. */
+/* Round to nearest even; beyond the range of a half the largest one, not a number gives
+ * 0. */
 static inline uint16_t to_half(float x)
 {
     uint32_t bits = to_bits(x), sign = bits >> 16 & 0x8000u, u = bits & 0x7fffffffu;
@@ -174,7 +181,8 @@ typedef struct convert_job {
 } convert_job;
 
 /* One row into floats in the file's encoding and channel order. */
-static void encode_row(const tz_image_sink *sink, tz_encoding from, const float *p, float *to)
+static void encode_row(const tz_image_sink *sink, tz_encoding from, const float *p,
+                       float *to)
 {
     bool encode = from == TZ_ENCODING_LINEAR && sink->encoding == TZ_ENCODING_SRGB;
     bool decode = from == TZ_ENCODING_SRGB && sink->encoding == TZ_ENCODING_LINEAR;
@@ -190,7 +198,8 @@ static void encode_row(const tz_image_sink *sink, tz_encoding from, const float 
         if (sink->format->associated && sink->alpha >= 0 &&
             sink->encoding != TZ_ENCODING_DATA && from != TZ_ENCODING_DATA)
             for (int32_t c = 0; c < sink->channels; c++)
-                to[c - sink->channels] *= c == sink->alpha ? 1 : p[sink->map[sink->alpha]];
+                to[c - sink->channels] *=
+                    c == sink->alpha ? 1 : p[sink->map[sink->alpha]];
     }
 }
 
@@ -200,7 +209,8 @@ static void encode_row8(const tz_image_sink *sink, const float *p, uint8_t *to)
     for (int32_t x = 0; x < sink->width; x++, p += sink->in_channels)
         for (int32_t c = 0; c < sink->channels; c++) {
             float v = p[sink->map[c]];
-            *to++ = c == sink->alpha ? (uint8_t)(unit(v) * 255.0f + 0.5f) : code8(sink, v);
+            *to++ =
+                c == sink->alpha ? (uint8_t)(unit(v) * 255.0f + 0.5f) : code8(sink, v);
         }
 }
 
@@ -267,7 +277,8 @@ static tz_status convert_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
-/* ---- life --------------------------------------------------------------------------- */
+/* ---- life ---------------------------------------------------------------------------
+ */
 
 tz_status tz_sink_put(tz_image_sink *sink, const void *data, size_t size)
 {
@@ -296,7 +307,8 @@ static void sink_free(tz_image_sink *sink)
     tz_free(ctx, sink);
 }
 
-static tz_status choose_type(tz_image_sink *sink, tz_sample_type type, const tz_image *like)
+static tz_status choose_type(tz_image_sink *sink, tz_sample_type type,
+                             const tz_image *like)
 {
     static const char *const names[] = {"auto", "8-bit", "16-bit", "half", "float"};
     static const int32_t sizes[] = {0, 1, 2, 2, 4};
@@ -330,13 +342,14 @@ static tz_status keep_names(tz_image_sink *sink, const tz_image *like)
         for (int32_t k = 0; k < c; k++)
             if (strcmp(sink->names[k], name) == 0)
                 return tz_fail(sink->ctx, TZ_INVALID,
-                               "%s: two channels are called '%s'; rename one", sink->shown,
-                               name);
+                               "%s: two channels are called '%s'; rename one",
+                               sink->shown, name);
     }
     return TZ_OK;
 }
 
-/* Band: what the format asked for, else about 8 MiB, so that threads have enough to do. */
+/* Band: what the format asked for, else about 8 MiB, so that threads have enough to do.
+ */
 static tz_status make_band(tz_image_sink *sink)
 {
     sink->row_bytes =
@@ -357,10 +370,11 @@ static tz_status check_options(tz_image_sink *sink, const tz_image_write_options
     /* very wide pictures: smaller tiles, so that a row of them stays small */
     sink->tile = opt->tile ? opt->tile : sink->width > 200000 ? 64 : 256;
     if (sink->compression > 9 || sink->quality < 1 || sink->quality > 100)
-        return tz_fail(sink->ctx, TZ_INVALID,
-                       "%s: compression %d or quality %d is out of range; 0 to 9 and 1 to "
-                       "100 are possible",
-                       sink->shown, sink->compression, sink->quality);
+        return tz_fail(
+            sink->ctx, TZ_INVALID,
+            "%s: compression %d or quality %d is out of range; 0 to 9 and 1 to "
+            "100 are possible",
+            sink->shown, sink->compression, sink->quality);
     if (sink->tile < 16 || sink->tile > 8192 || sink->tile % 16 != 0)
         return tz_fail(sink->ctx, TZ_INVALID,
                        "%s: tiles of %d pixels; give a multiple of 16 from 16 to 8192",
@@ -387,8 +401,8 @@ tz_status tz_image_sink_open(tz_ctx *ctx, const char *path, int32_t width, int32
     s = tz_strdup(ctx, strcmp(path, "-") == 0 ? "standard output" : path, &sink->shown);
     if (s == TZ_OK && (width < 1 || height < 1 || width > TZ_IMAGE_MAX_SIDE ||
                        height > TZ_IMAGE_MAX_SIDE))
-        s = tz_fail(ctx, TZ_INVALID, "%s: size %d x %d; sides must be 1 to %d", sink->shown,
-                    width, height, TZ_IMAGE_MAX_SIDE);
+        s = tz_fail(ctx, TZ_INVALID, "%s: size %d x %d; sides must be 1 to %d",
+                    sink->shown, width, height, TZ_IMAGE_MAX_SIDE);
     if (s == TZ_OK && (like->channels < 1 || like->channels > TZ_IMAGE_MAX_CHANNELS))
         s = tz_fail(ctx, TZ_INVALID, "%s: %d channels; 1 to %d are possible", sink->shown,
                     like->channels, TZ_IMAGE_MAX_CHANNELS);
@@ -401,8 +415,10 @@ tz_status tz_image_sink_open(tz_ctx *ctx, const char *path, int32_t width, int32
     if (s == TZ_OK)
         s = choose_type(sink, opt->type, like);
     if (s == TZ_OK && sink->format->gathered && (int64_t)width * height > GATHER_LIMIT)
-        s = tz_fail(ctx, TZ_LIMIT, "%s: %d x %d pixels is more than %s can take; write exr, "
-                    "tif or png", sink->shown, width, height, sink->format->name);
+        s = tz_fail(ctx, TZ_LIMIT,
+                    "%s: %d x %d pixels is more than %s can take; write exr, "
+                    "tif or png",
+                    sink->shown, width, height, sink->format->name);
     if (s == TZ_OK)
         s = keep_names(sink, like);
     if (s == TZ_OK)

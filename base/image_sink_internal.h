@@ -33,23 +33,23 @@ struct tz_image_sink {
     tz_file_out out;
     char *shown; /**< name for messages */
     int32_t width, height;
-    int32_t channels, alpha;            /**< of the file */
-    int32_t in_channels, in_alpha;      /**< of the rows that come */
-    int8_t map[TZ_IMAGE_MAX_CHANNELS];  /**< file channel -> channel of the rows */
+    int32_t channels, alpha;           /**< of the file */
+    int32_t in_channels, in_alpha;     /**< of the rows that come */
+    int8_t map[TZ_IMAGE_MAX_CHANNELS]; /**< file channel -> channel of the rows */
     char names[TZ_IMAGE_MAX_CHANNELS][32];
     tz_encoding encoding; /**< of the file */
     tz_sample_type type;
-    int32_t sample_size;  /**< bytes a sample */
+    int32_t sample_size; /**< bytes a sample */
     int32_t compression, quality, tile;
     tz_image carrier; /**< 1 x 1, carries the metadata */
     int32_t next_row; /**< first row not yet received */
     int32_t band_rows, band_fill;
-    uint8_t *band;         /**< band_rows * row_bytes */
+    uint8_t *band; /**< band_rows * row_bytes */
     size_t row_bytes;
-    uint8_t *code_of;      /**< linear float -> 8-bit sRGB: code by top bits, see sink.c */
+    uint8_t *code_of; /**< linear float -> 8-bit sRGB: code by top bits, see sink.c */
     float threshold[257];
-    tz_status status;      /**< first failure sticks */
-    void *state;           /**< the format's own */
+    tz_status status; /**< first failure sticks */
+    void *state;      /**< the format's own */
 };
 
 /** fwrite on the sink's file; TZ_IO is reported with the operating system's reason. */

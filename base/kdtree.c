@@ -64,7 +64,8 @@ static void build(tz_kdtree *t, int32_t lo, int32_t hi, int32_t d)
     }
 }
 
-tz_status tz_kdtree_init(tz_ctx *ctx, tz_kdtree *t, const float *p, int32_t n, int32_t dim)
+tz_status tz_kdtree_init(tz_ctx *ctx, tz_kdtree *t, const float *p, int32_t n,
+                         int32_t dim)
 {
     memset(t, 0, sizeof *t);
     if (n < 0 || dim < 1 || dim > 16)
@@ -120,7 +121,8 @@ static void offer(search *s, int32_t i)
     } else {
         s->found++;
     }
-    for (; at > 0 && (d2 < s->dist2[at - 1] || (d2 == s->dist2[at - 1] && id < s->id[at - 1]));
+    for (; at > 0 &&
+           (d2 < s->dist2[at - 1] || (d2 == s->dist2[at - 1] && id < s->id[at - 1]));
          at--) {
         s->dist2[at] = s->dist2[at - 1];
         s->id[at] = s->id[at - 1];

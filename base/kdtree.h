@@ -9,8 +9,8 @@
 
 typedef struct tz_kdtree {
     int32_t n, dim;
-    float *point;    /* n * dim, in tree order */
-    int32_t *id;     /* tree order -> caller's index */
+    float *point; /* n * dim, in tree order */
+    int32_t *id;  /* tree order -> caller's index */
     tz_ctx *ctx;
 } tz_kdtree;
 
@@ -20,7 +20,7 @@ TZ_API tz_status tz_kdtree_init(tz_ctx *ctx, tz_kdtree *t, const float *p, int32
 TZ_API void tz_kdtree_deinit(tz_kdtree *t);
 /** The k nearest by squared distance, nearest first, ties by lower index.
  * @return how many were found, min(k, n) */
-TZ_API int32_t tz_kdtree_nearest(const tz_kdtree *t, const float *q, int32_t k, int32_t *id,
-                                 float *dist2);
+TZ_API int32_t tz_kdtree_nearest(const tz_kdtree *t, const float *q, int32_t k,
+                                 int32_t *id, float *dist2);
 
 #endif

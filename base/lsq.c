@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sparse least squares by CHOLMOD. Equations are kept as triplets of W A; solving forms
- * A' (CHOLMOD factorises A' A from it without forming the product) and reuses the symbolic
- * factor while the pattern of A stays what it was. */
+ * A' (CHOLMOD factorises A' A from it without forming the product) and reuses the
+ * symbolic factor while the pattern of A stays what it was. */
 #include "base/lsq.h"
 
 #include <cholmod.h>
@@ -18,8 +18,10 @@ typedef struct entry {
 struct tz_lsq {
     tz_ctx *ctx;
     int32_t unknowns, rhs, rows;
-    TZ_ARRAY(entry) entry;
-    TZ_ARRAY(double) b; /* rows * rhs, weighted */
+    TZ_ARRAY(entry)
+    entry;
+    TZ_ARRAY(double)
+    b; /* rows * rhs, weighted */
     cholmod_common common;
     cholmod_factor *factor;
     uint64_t pattern; /* hash of the pattern that `factor` was analysed for */
@@ -85,8 +87,9 @@ tz_status tz_lsq_add(tz_lsq *s, int32_t n, const int32_t *index, const double *c
         return tz_fail(s->ctx, TZ_INVALID, "least squares: weight %g", weight);
     for (int32_t i = 0; i < n; i++)
         if (index[i] < 0 || index[i] >= s->unknowns || !isfinite(coeff[i]))
-            return tz_fail(s->ctx, TZ_INVALID, "least squares: unknown %d of %d, factor %g",
-                           index[i], s->unknowns, coeff[i]);
+            return tz_fail(s->ctx, TZ_INVALID,
+                           "least squares: unknown %d of %d, factor %g", index[i],
+                           s->unknowns, coeff[i]);
     for (int32_t k = 0; k < s->rhs; k++)
         if (!isfinite(b[k]))
             return tz_fail(s->ctx, TZ_INVALID, "least squares: right-hand side %g", b[k]);
@@ -118,8 +121,8 @@ static uint64_t hash_pattern(const tz_lsq *s)
 static cholmod_sparse *transposed(tz_lsq *s)
 {
     cholmod_triplet *t =
-        cholmod_allocate_triplet((size_t)s->unknowns, (size_t)s->rows, (size_t)s->entry.n, 0,
-                                 CHOLMOD_REAL, &s->common);
+        cholmod_allocate_triplet((size_t)s->unknowns, (size_t)s->rows, (size_t)s->entry.n,
+                                 0, CHOLMOD_REAL, &s->common);
     if (!t)
         return NULL;
     int *row = t->i, *column = t->j;
@@ -155,8 +158,8 @@ static cholmod_dense *right_side(tz_lsq *s)
 static tz_status singular(tz_lsq *s)
 {
     return tz_fail(s->ctx, TZ_INVALID,
-                   "least squares: %d equations do not determine all %d unknowns", s->rows,
-                   s->unknowns);
+                   "least squares: %d equations do not determine all %d unknowns",
+                   s->rows, s->unknowns);
 }
 
 tz_status tz_lsq_solve(tz_lsq *s, double *x)

@@ -15,8 +15,8 @@ TZ_API void tz_lsq_free(tz_lsq *s);
 /** Forgets the equations, keeps the symbolic factor for reuse. */
 TZ_API void tz_lsq_clear(tz_lsq *s);
 /** Adds one equation w (sum_i coeff[i] x[index[i]] - b) = 0; b holds `rhs` numbers. */
-TZ_API tz_status tz_lsq_add(tz_lsq *s, int32_t n, const int32_t *index, const double *coeff,
-                            const double *b, double weight);
+TZ_API tz_status tz_lsq_add(tz_lsq *s, int32_t n, const int32_t *index,
+                            const double *coeff, const double *b, double weight);
 /** Solves; x is unknowns * rhs, column (right-hand side) after column.
  * @return TZ_OK; TZ_INVALID if the system is singular; TZ_NOMEM */
 TZ_API tz_status tz_lsq_solve(tz_lsq *s, double *x);

@@ -49,10 +49,11 @@ tz_status tz_module_symbol(tz_ctx *ctx, const char *name, const char *symbol, vo
     if (!handle)
         handle = open_in(TZ_MODULE_DIR, name, error, sizeof error);
     if (!handle)
-        return tz_fail(ctx, TZ_UNSUPPORTED,
-                       "module libterrazzo_%s.so, needed here, cannot be used: %s; install "
-                       "it in %s",
-                       name, error, TZ_MODULE_DIR);
+        return tz_fail(
+            ctx, TZ_UNSUPPORTED,
+            "module libterrazzo_%s.so, needed here, cannot be used: %s; install "
+            "it in %s",
+            name, error, TZ_MODULE_DIR);
     void *p = dlsym(handle, symbol);
     if (!p)
         return tz_fail(ctx, TZ_UNSUPPORTED,

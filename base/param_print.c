@@ -14,16 +14,25 @@ static bool numeric(const tz_param *p)
 static const char *placeholder(tz_param_type t)
 {
     switch (t) {
-    case TZ_PARAM_BOOL: return "";
+    case TZ_PARAM_BOOL:
+        return "";
     case TZ_PARAM_INT:
-    case TZ_PARAM_UINT64: return "N";
-    case TZ_PARAM_DOUBLE: return "X";
-    case TZ_PARAM_ENUM: return "WORD";
-    case TZ_PARAM_STRING: return "TEXT";
-    case TZ_PARAM_SIZE: return "WxH";
-    case TZ_PARAM_RANGE: return "LO,HI";
-    case TZ_PARAM_RECT: return "X,Y,W,H";
-    case TZ_PARAM_BYTES: return "BYTES";
+    case TZ_PARAM_UINT64:
+        return "N";
+    case TZ_PARAM_DOUBLE:
+        return "X";
+    case TZ_PARAM_ENUM:
+        return "WORD";
+    case TZ_PARAM_STRING:
+        return "TEXT";
+    case TZ_PARAM_SIZE:
+        return "WxH";
+    case TZ_PARAM_RANGE:
+        return "LO,HI";
+    case TZ_PARAM_RECT:
+        return "X,Y,W,H";
+    case TZ_PARAM_BYTES:
+        return "BYTES";
     }
     return "";
 }
@@ -37,8 +46,8 @@ static void facts(const tz_param *p, char *text, size_t size)
     if (numeric(p)) {
         tz_number_format(p->min, low);
         tz_number_format(p->max, high);
-        n = (size_t)snprintf(text, size, "%s to %s%s%s; ", low, high, p->unit[0] ? " " : "",
-                             p->unit);
+        n = (size_t)snprintf(text, size, "%s to %s%s%s; ", low, high,
+                             p->unit[0] ? " " : "", p->unit);
     } else if (p->type == TZ_PARAM_ENUM) {
         n = (size_t)snprintf(text, size, "%s; ", p->choices);
     }
@@ -59,7 +68,8 @@ void tz_params_print_text(const tz_param_table *t, FILE *f)
     }
 }
 
-/* ---- JSON schema ------------------------------------------------------------------------ */
+/* ---- JSON schema
+ * ------------------------------------------------------------------------ */
 
 static void put_json(FILE *f, const char *s)
 {
@@ -102,7 +112,9 @@ static void put_choices(const char *choices, FILE *f)
 static void put_type(const tz_param *p, FILE *f)
 {
     switch (p->type) {
-    case TZ_PARAM_BOOL: fputs("\"type\": \"boolean\"", f); break;
+    case TZ_PARAM_BOOL:
+        fputs("\"type\": \"boolean\"", f);
+        break;
     case TZ_PARAM_INT:
     case TZ_PARAM_UINT64:
         fputs("\"type\": \"integer\", ", f);
@@ -178,7 +190,8 @@ void tz_params_print_schema(const tz_param_table *t, FILE *f)
     fputs("\n  }\n}\n", f);
 }
 
-/* ---- man page --------------------------------------------------------------------------- */
+/* ---- man page
+ * --------------------------------------------------------------------------- */
 
 static void put_roff(FILE *f, const char *s)
 {

@@ -34,7 +34,8 @@ tz_rng tz_rng_make(uint64_t seed, uint64_t stream)
     return (tz_rng){.seed = seed, .stream = stream};
 }
 
-/* Finaliser of splitmix64: a bijection in which every input bit reaches every output bit. */
+/* Finaliser of splitmix64: a bijection in which every input bit reaches every output bit.
+ */
 static uint64_t mix(uint64_t z)
 {
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -74,7 +75,8 @@ double tz_rng_range(tz_rng *r, double lo, double hi)
 int32_t tz_rng_below(tz_rng *r, int32_t n)
 {
     assert(n >= 1);
-    /* Lemire's multiply-shift; the low words under 2^32 mod n would favour some results. */
+    /* Lemire's multiply-shift; the low words under 2^32 mod n would favour some results.
+     */
     uint32_t range = (uint32_t)n, reject = (0u - range) % range;
     uint64_t m;
     do

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * SVG documents in and out. Reading goes through libxml2 with entities, network and huge
- * nodes switched off, and with limits on nodes, depth and text. Writing is streamed text. */
+ * nodes switched off, and with limits on nodes, depth and text. Writing is streamed text.
+ */
 #ifndef TZ_BASE_SVG_H
 #define TZ_BASE_SVG_H
 
@@ -10,10 +11,10 @@
 #include "base/geom.h"
 #include "base/number.h" /* tz_number_format */
 
-#define TZ_SVG_NS "http://www.w3.org/2000/svg"
+#define TZ_SVG_NS   "http://www.w3.org/2000/svg"
 #define TZ_XLINK_NS "http://www.w3.org/1999/xlink"
 /** Namespace of our own attributes, written as tz:name. */
-#define TZ_NS "https://terrazzo.example/ns/1"
+#define TZ_NS       "https://terrazzo.example/ns/1"
 
 /* ---- reading -------------------------------------------------------------------- */
 
@@ -24,12 +25,12 @@ typedef const void *tz_svg_node; /**< NULL = none */
  * @return TZ_OK; TZ_IO; TZ_FORMAT with the line number (not XML, root is not svg, entity
  *   declarations); TZ_LIMIT (over 1 GiB, 5 million nodes, 256 levels); TZ_NOMEM */
 TZ_API tz_status tz_svg_read(tz_ctx *ctx, const char *path, tz_svg_doc **out);
-TZ_API tz_status tz_svg_parse(tz_ctx *ctx, const char *name, const char *text, size_t size,
-                              tz_svg_doc **out);
+TZ_API tz_status tz_svg_parse(tz_ctx *ctx, const char *name, const char *text,
+                              size_t size, tz_svg_doc **out);
 TZ_API void tz_svg_free(tz_svg_doc *doc); /**< takes NULL */
 TZ_API tz_svg_node tz_svg_root(const tz_svg_doc *doc);
-TZ_API tz_svg_node tz_svg_child(tz_svg_node n);   /**< first element child */
-TZ_API tz_svg_node tz_svg_next(tz_svg_node n);    /**< next element sibling */
+TZ_API tz_svg_node tz_svg_child(tz_svg_node n);         /**< first element child */
+TZ_API tz_svg_node tz_svg_next(tz_svg_node n);          /**< next element sibling */
 TZ_API bool tz_svg_is(tz_svg_node n, const char *name); /**< SVG-namespace local name */
 TZ_API int32_t tz_svg_line(tz_svg_node n);
 /** Attribute value, or NULL. Names: "width", "xlink:href" (also finds plain href),
@@ -42,7 +43,8 @@ TZ_API tz_svg_node tz_svg_by_id(const tz_svg_doc *doc, const char *id);
 
 /** Numbers separated by blanks or commas; rejects NaN, infinity and rest text.
  * @return TZ_OK; TZ_INVALID; TZ_LIMIT; the array is appended to */
-typedef TZ_ARRAY(double) tz_numbers;
+typedef TZ_ARRAY(double)
+tz_numbers;
 TZ_API tz_status tz_svg_numbers(tz_ctx *ctx, const char *text, tz_numbers *out);
 /** One finite number with an optional px unit; false if there is none. */
 TZ_API bool tz_svg_number(const char *text, double *out);
@@ -51,10 +53,17 @@ TZ_API bool tz_svg_number(const char *text, double *out);
 TZ_API tz_status tz_svg_transform(tz_ctx *ctx, const char *text, tz_affine *out);
 
 /** Path data as absolute cubic or straight segments. */
-typedef enum tz_path_verb { TZ_PATH_MOVE, TZ_PATH_LINE, TZ_PATH_CUBIC, TZ_PATH_CLOSE } tz_path_verb;
+typedef enum tz_path_verb {
+    TZ_PATH_MOVE,
+    TZ_PATH_LINE,
+    TZ_PATH_CUBIC,
+    TZ_PATH_CLOSE
+} tz_path_verb;
 typedef struct tz_svg_path {
-    TZ_ARRAY(uint8_t) verb;  /**< tz_path_verb */
-    TZ_ARRAY(tz_vec2) point; /**< MOVE, LINE: 1; CUBIC: 3; CLOSE: 0 */
+    TZ_ARRAY(uint8_t)
+    verb; /**< tz_path_verb */
+    TZ_ARRAY(tz_vec2)
+    point; /**< MOVE, LINE: 1; CUBIC: 3; CLOSE: 0 */
 } tz_svg_path;
 /** All commands of SVG 1.1 (arcs and quadratics become cubics).
  * @return TZ_OK; TZ_FORMAT with the offset of the fault; TZ_NOMEM */
@@ -63,10 +72,12 @@ TZ_API void tz_svg_path_deinit(tz_ctx *ctx, tz_svg_path *p);
 
 /* ---- writing -------------------------------------------------------------------- */
 
-/** Streaming writer on a tz_file_out. The first failure sticks and is returned by close. */
+/** Streaming writer on a tz_file_out. The first failure sticks and is returned by close.
+ */
 typedef struct tz_svg_writer {
     tz_file_out out;
-    TZ_ARRAY(const char *) open; /* names of open elements */
+    TZ_ARRAY(const char *)
+    open; /* names of open elements */
     bool in_tag;
     tz_status status;
 } tz_svg_writer;
@@ -76,7 +87,8 @@ typedef struct tz_svg_writer {
 TZ_API tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width,
                                     double height, tz_svg_writer *w);
 TZ_API void tz_svg_begin(tz_svg_writer *w, const char *name); /**< name must be static */
-TZ_API void tz_svg_set(tz_svg_writer *w, const char *attr, const char *value); /**< escapes */
+TZ_API void tz_svg_set(tz_svg_writer *w, const char *attr,
+                       const char *value); /**< escapes */
 TZ_API void tz_svg_setf(tz_svg_writer *w, const char *attr, const char *fmt, ...)
     TZ_PRINTF(3, 4);
 /** Shortest text that reads back to the same double. */

@@ -19,8 +19,9 @@ static void put(parser *s, tz_path_verb verb, int n, const tz_vec2 *point)
 {
     for (int i = 0; i < n; i++) {
         if (!isfinite(point[i].x) || !isfinite(point[i].y)) {
-            s->status = tz_fail(s->ctx, TZ_FORMAT, "path: number too large at character %d",
-                                (int)(s->p - s->text));
+            s->status =
+                tz_fail(s->ctx, TZ_FORMAT, "path: number too large at character %d",
+                        (int)(s->p - s->text));
             return;
         }
     }
@@ -74,7 +75,8 @@ static void arc_to(parser *s, const double *v, tz_vec2 p)
     if ((v[3] != 0) == (v[4] != 0))
         k = -k;
     double cx1 = k * rx * w, cy1 = -k * ry * u;
-    tz_vec2 centre = {c * cx1 - n * cy1 + (a.x + p.x) / 2, n * cx1 + c * cy1 + (a.y + p.y) / 2};
+    tz_vec2 centre = {c * cx1 - n * cy1 + (a.x + p.x) / 2,
+                      n * cx1 + c * cy1 + (a.y + p.y) / 2};
     double t0 = atan2((y1 - cy1) / ry, (x1 - cx1) / rx);
     double t1 = atan2((-y1 - cy1) / ry, (-x1 - cx1) / rx);
     double turn = t1 - t0;
@@ -83,7 +85,8 @@ static void arc_to(parser *s, const double *v, tz_vec2 p)
     if (v[4] == 0 && turn > 0)
         turn -= 2 * TZ_PI;
     if (!isfinite(turn)) {
-        line_to(s, p); /* radii beyond what numbers hold: straight as far as we can tell */
+        line_to(s,
+                p); /* radii beyond what numbers hold: straight as far as we can tell */
         return;
     }
     int pieces = (int)ceil(fabs(turn) / (TZ_PI / 2) - 1e-9);
@@ -92,8 +95,12 @@ static void arc_to(parser *s, const double *v, tz_vec2 p)
     for (int i = 0; i < pieces && s->status == TZ_OK; i++) {
         double p0 = t0 + step * i, p1 = p0 + step;
         /* unit circle, stretched, turned, moved */
-        double q[6] = {cos(p0) - h * sin(p0), sin(p0) + h * cos(p0),
-                       cos(p1) + h * sin(p1), sin(p1) - h * cos(p1), cos(p1), sin(p1)};
+        double q[6] = {cos(p0) - h * sin(p0),
+                       sin(p0) + h * cos(p0),
+                       cos(p1) + h * sin(p1),
+                       sin(p1) - h * cos(p1),
+                       cos(p1),
+                       sin(p1)};
         tz_vec2 out[3];
         for (int j = 0; j < 3; j++) {
             double ex = rx * q[2 * j], ey = ry * q[2 * j + 1];
@@ -129,16 +136,23 @@ static int arguments(char command)
 {
     switch (command & ~0x20) {
     case 'H':
-    case 'V': return 1;
+    case 'V':
+        return 1;
     case 'M':
     case 'L':
-    case 'T': return 2;
+    case 'T':
+        return 2;
     case 'S':
-    case 'Q': return 4;
-    case 'C': return 6;
-    case 'A': return 7;
-    case 'Z': return 0;
-    default: return -1;
+    case 'Q':
+        return 4;
+    case 'C':
+        return 6;
+    case 'A':
+        return 7;
+    case 'Z':
+        return 0;
+    default:
+        return -1;
     }
 }
 
@@ -148,7 +162,8 @@ static void execute(parser *s, char command, const double *v)
     bool relative = command >= 'a';
     tz_vec2 o = relative ? s->at : (tz_vec2){0, 0}, a = s->at, handle = s->handle;
     char before = s->before;
-    tz_vec2 q[3] = {{o.x + v[0], o.y + v[1]}, {o.x + v[2], o.y + v[3]}, {o.x + v[4], o.y + v[5]}};
+    tz_vec2 q[3] = {
+        {o.x + v[0], o.y + v[1]}, {o.x + v[2], o.y + v[3]}, {o.x + v[4], o.y + v[5]}};
     tz_vec2 mirrored = {2 * a.x - handle.x, 2 * a.y - handle.y};
     s->before = 0;
     switch (command & ~0x20) {
@@ -156,9 +171,15 @@ static void execute(parser *s, char command, const double *v)
         put(s, TZ_PATH_MOVE, 1, q);
         s->start = s->at;
         break;
-    case 'L': line_to(s, q[0]); break;
-    case 'H': line_to(s, (tz_vec2){q[0].x, a.y}); break;
-    case 'V': line_to(s, (tz_vec2){a.x, o.y + v[0]}); break;
+    case 'L':
+        line_to(s, q[0]);
+        break;
+    case 'H':
+        line_to(s, (tz_vec2){q[0].x, a.y});
+        break;
+    case 'V':
+        line_to(s, (tz_vec2){a.x, o.y + v[0]});
+        break;
     case 'C':
         cubic_to(s, q[0], q[1], q[2]);
         s->handle = q[1];
@@ -177,7 +198,9 @@ static void execute(parser *s, char command, const double *v)
         quadratic_to(s, before == 'Q' ? mirrored : a, q[0]);
         s->before = 'Q';
         break;
-    case 'A': arc_to(s, v, (tz_vec2){o.x + v[5], o.y + v[6]}); break;
+    case 'A':
+        arc_to(s, v, (tz_vec2){o.x + v[5], o.y + v[6]});
+        break;
     default:
         put(s, TZ_PATH_CLOSE, 0, NULL);
         s->at = s->start;

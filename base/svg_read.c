@@ -24,8 +24,10 @@ typedef struct named {
 struct tz_svg_doc {
     tz_ctx *ctx;
     xmlDocPtr xml;
-    TZ_ARRAY(named) ids;      /* sorted by id, then document order */
-    TZ_ARRAY(xmlChar *) text; /* handed out by tz_svg_text */
+    TZ_ARRAY(named)
+    ids; /* sorted by id, then document order */
+    TZ_ARRAY(xmlChar *)
+    text; /* handed out by tz_svg_text */
 };
 
 /* What the call-backs keep; reached through the parser context's _private. */
@@ -61,7 +63,8 @@ static void on_start(void *ctx, const xmlChar *name, const xmlChar *prefix,
         xmlSAX2StartElementNs(ctx, name, prefix, uri, n_ns, ns, n_attr, n_default, attr);
 }
 
-static void on_end(void *ctx, const xmlChar *name, const xmlChar *prefix, const xmlChar *uri)
+static void on_end(void *ctx, const xmlChar *name, const xmlChar *prefix,
+                   const xmlChar *uri)
 {
     xmlParserCtxtPtr p = ctx;
     watch *w = p->_private;
@@ -78,7 +81,8 @@ static void on_entity(void *ctx, const xmlChar *name, int type, const xmlChar *p
     (void)public_id;
     (void)system_id;
     (void)content;
-    stop(ctx, TZ_FORMAT, "declares entities, which we do not expand; save it as plain SVG");
+    stop(ctx, TZ_FORMAT,
+         "declares entities, which we do not expand; save it as plain SVG");
 }
 
 static int by_id(const void *a, const void *b)
@@ -124,8 +128,8 @@ static tz_status report(tz_ctx *ctx, const char *name, xmlParserCtxtPtr p, const
     if (e && e->code == XML_ERR_NO_MEMORY)
         return tz_fail(ctx, TZ_NOMEM, "%s: out of memory", name);
     const char *text = e && e->message ? e->message : "not well-formed";
-    return tz_fail(ctx, TZ_FORMAT, "%s:%d: not readable as SVG: %.*s; check the file", name,
-                   e ? e->line : 0, (int)strcspn(text, "\n"), text);
+    return tz_fail(ctx, TZ_FORMAT, "%s:%d: not readable as SVG: %.*s; check the file",
+                   name, e ? e->line : 0, (int)strcspn(text, "\n"), text);
 }
 
 tz_status tz_svg_parse(tz_ctx *ctx, const char *name, const char *text, size_t size,
@@ -178,7 +182,8 @@ tz_status tz_svg_read(tz_ctx *ctx, const char *path, tz_svg_doc **out)
     tz_status s = tz_file_read(ctx, path, max_file, &text, &size);
     if (s != TZ_OK)
         return s;
-    s = tz_svg_parse(ctx, strcmp(path, "-") == 0 ? "standard input" : path, text, size, out);
+    s = tz_svg_parse(ctx, strcmp(path, "-") == 0 ? "standard input" : path, text, size,
+                     out);
     tz_free(ctx, text);
     return s;
 }
@@ -195,7 +200,8 @@ void tz_svg_free(tz_svg_doc *doc)
     tz_free(doc->ctx, doc);
 }
 
-/* ---- nodes ------------------------------------------------------------------------------ */
+/* ---- nodes
+ * ------------------------------------------------------------------------------ */
 
 tz_svg_node tz_svg_root(const tz_svg_doc *doc) { return xmlDocGetRootElement(doc->xml); }
 
@@ -240,8 +246,9 @@ static const char *attr_in(const xmlNode *n, const char *uri, const char *local)
         if (strcmp((const char *)a->name, local) != 0)
             continue;
         if (uri ? in_namespace(a->ns, uri) : !a->ns)
-            return a->children && a->children->content ? (const char *)a->children->content
-                                                       : "";
+            return a->children && a->children->content
+                       ? (const char *)a->children->content
+                       : "";
     }
     return NULL;
 }
@@ -282,5 +289,6 @@ tz_svg_node tz_svg_by_id(const tz_svg_doc *doc, const char *id)
         else
             hi = mid;
     }
-    return lo < doc->ids.n && strcmp(doc->ids.v[lo].id, id) == 0 ? doc->ids.v[lo].node : NULL;
+    return lo < doc->ids.n && strcmp(doc->ids.v[lo].id, id) == 0 ? doc->ids.v[lo].node
+                                                                 : NULL;
 }

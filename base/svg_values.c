@@ -80,9 +80,14 @@ static bool make_transform(const char *name, size_t length, const double *v, int
         *m = tz_affine_place(centre, centre, v[0] * TZ_PI / 180, 1, false);
         return n == 1 || n == 3;
     }
-    case 4: m->c = tan(v[0] * TZ_PI / 180); return n == 1;
-    case 5: m->b = tan(v[0] * TZ_PI / 180); return n == 1;
-    default: return false;
+    case 4:
+        m->c = tan(v[0] * TZ_PI / 180);
+        return n == 1;
+    case 5:
+        m->b = tan(v[0] * TZ_PI / 180);
+        return n == 1;
+    default:
+        return false;
     }
 }
 
@@ -90,6 +95,7 @@ tz_status tz_svg_transform(tz_ctx *ctx, const char *text, tz_affine *out)
 {
     tz_affine all = tz_affine_identity();
     const char *p = text ? tz_svg_skip_blank(text) : "";
+    bool first = true;
     while (*p) {
         const char *name = p;
         size_t length = strspn(p, "abcdefghijklmnopqrstuvwxyzXY");
@@ -108,7 +114,9 @@ tz_status tz_svg_transform(tz_ctx *ctx, const char *text, tz_affine *out)
         }
         if (*p != ')' || n == 0 || !make_transform(name, length, v, n, &m))
             goto bad;
-        all = tz_affine_then(m, all); /* the rightmost acts first */
+        /* the rightmost acts first; one alone is kept to the bit */
+        all = first ? m : tz_affine_then(m, all);
+        first = false;
         p = tz_svg_skip_comma(p + 1);
     }
     if (!tz_affine_finite(all))

@@ -61,7 +61,8 @@ static int check_file(const char *path, const char *may)
         size_t n = strcspn(p, "/");
         if (p[n] != '/' || n >= sizeof folder) {
             if (quote == '"') {
-                fprintf(stderr, "%s:%d: include from the repository's root\n", path, number);
+                fprintf(stderr, "%s:%d: include from the repository's root\n", path,
+                        number);
                 bad++;
             }
             continue;
@@ -71,7 +72,8 @@ static int check_file(const char *path, const char *may)
         memcpy(folder, p, n);
         folder[n] = 0;
         if (!listed(may, folder, n)) {
-            fprintf(stderr, "%s:%d: %s/ is not below this folder\n", path, number, folder);
+            fprintf(stderr, "%s:%d: %s/ is not below this folder\n", path, number,
+                    folder);
             bad++;
         }
     }
@@ -124,9 +126,10 @@ static void tests_include_from_the_root(void **state)
     (void)state;
     static const char *const all =
         "base elements curves analysis synthesis cli viewer tests";
-    static const char *const dirs[] = {"tests",          "tests/base",     "tests/elements",
-                                       "tests/curves",   "tests/analysis", "tests/synthesis",
-                                       "tests/cli",      "tests/fuzz",     "tests/bench"};
+    static const char *const dirs[] = {
+        "tests",        "tests/base",     "tests/elements",
+        "tests/curves", "tests/analysis", "tests/synthesis",
+        "tests/cli",    "tests/fuzz",     "tests/bench"};
     int files = 0, bad = 0;
     for (size_t i = 0; i < sizeof dirs / sizeof *dirs; i++)
         bad += check_folder(dirs[i], all, &files);
