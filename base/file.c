@@ -56,25 +56,17 @@ void tz_file_cleanup(void)
 static const char *remedy(int error)
 {
     switch (error) {
-    case ENOENT:
-        return "check the name";
+    case ENOENT: return "check the name";
     case EACCES:
-    case EPERM:
-        return "check its permissions";
-    case EISDIR:
-        return "name a file in it";
+    case EPERM: return "check its permissions";
+    case EISDIR: return "name a file in it";
     case ENOSPC:
-    case EDQUOT:
-        return "free some space or write elsewhere";
-    case EROFS:
-        return "write elsewhere";
-    case ENOTDIR:
-        return "a part of the path is a file";
+    case EDQUOT: return "free some space or write elsewhere";
+    case EROFS: return "write elsewhere";
+    case ENOTDIR: return "a part of the path is a file";
     case EMFILE:
-    case ENFILE:
-        return "close other files";
-    default:
-        return "check the device";
+    case ENFILE: return "close other files";
+    default: return "check the device";
     }
 }
 

@@ -54,15 +54,11 @@ int depth_of(TypeDesc t)
 {
     switch (t.basetype) {
     case TypeDesc::UINT8:
-    case TypeDesc::INT8:
-        return 8;
-    case TypeDesc::HALF:
-        return 17;
+    case TypeDesc::INT8: return 8;
+    case TypeDesc::HALF: return 17;
     case TypeDesc::FLOAT:
-    case TypeDesc::DOUBLE:
-        return 32;
-    default:
-        return 16;
+    case TypeDesc::DOUBLE: return 32;
+    default: return 16;
     }
 }
 

@@ -124,9 +124,7 @@ static void filter_row(int type, const uint8_t *restrict p, const uint8_t *restr
     size_t i = 0;
     *to++ = (uint8_t)type;
     switch (type) {
-    case 0:
-        memcpy(to, p, n);
-        break;
+    case 0: memcpy(to, p, n); break;
     case 1:
         for (; i < bpp && i < n; i++)
             to[i] = p[i];

@@ -25,24 +25,16 @@ typedef union value {
 static size_t value_size(tz_param_type t)
 {
     switch (t) {
-    case TZ_PARAM_BOOL:
-        return sizeof(bool);
+    case TZ_PARAM_BOOL: return sizeof(bool);
     case TZ_PARAM_INT:
-    case TZ_PARAM_ENUM:
-        return sizeof(int32_t);
+    case TZ_PARAM_ENUM: return sizeof(int32_t);
     case TZ_PARAM_UINT64:
-    case TZ_PARAM_BYTES:
-        return sizeof(uint64_t);
-    case TZ_PARAM_DOUBLE:
-        return sizeof(double);
-    case TZ_PARAM_STRING:
-        return TZ_PARAM_STRING_SIZE;
-    case TZ_PARAM_SIZE:
-        return 2 * sizeof(int32_t);
-    case TZ_PARAM_RANGE:
-        return 2 * sizeof(double);
-    case TZ_PARAM_RECT:
-        return 4 * sizeof(int32_t);
+    case TZ_PARAM_BYTES: return sizeof(uint64_t);
+    case TZ_PARAM_DOUBLE: return sizeof(double);
+    case TZ_PARAM_STRING: return TZ_PARAM_STRING_SIZE;
+    case TZ_PARAM_SIZE: return 2 * sizeof(int32_t);
+    case TZ_PARAM_RANGE: return 2 * sizeof(double);
+    case TZ_PARAM_RECT: return 4 * sizeof(int32_t);
     }
     return 0;
 }
@@ -171,34 +163,20 @@ static bool parse(const tz_param *p, const char *text, value *v, bool *in)
     bool ok = false;
     *in = true;
     switch (p->type) {
-    case TZ_PARAM_BOOL:
-        return parse_bool(text, &v->b);
-    case TZ_PARAM_ENUM:
-        return parse_choice(text, p, &v->i[0]);
+    case TZ_PARAM_BOOL: return parse_bool(text, &v->b);
+    case TZ_PARAM_ENUM: return parse_choice(text, p, &v->i[0]);
     case TZ_PARAM_STRING:
         if (strlen(text) >= sizeof v->s)
             return false;
         memset(v->s, 0, sizeof v->s);
         strcpy(v->s, text);
         return true;
-    case TZ_PARAM_INT:
-        ok = parse_int(&text, p, &v->i[0], in);
-        break;
-    case TZ_PARAM_UINT64:
-        ok = parse_uint(&text, &v->u, in);
-        break;
-    case TZ_PARAM_BYTES:
-        ok = parse_bytes(&text, &v->u, in);
-        break;
-    case TZ_PARAM_DOUBLE:
-        ok = parse_double(&text, p, &v->d[0], in);
-        break;
-    case TZ_PARAM_SIZE:
-        ok = parse_ints(&text, p, 2, "xX", v->i, in);
-        break;
-    case TZ_PARAM_RECT:
-        ok = parse_ints(&text, p, 4, ",", v->i, in);
-        break;
+    case TZ_PARAM_INT: ok = parse_int(&text, p, &v->i[0], in); break;
+    case TZ_PARAM_UINT64: ok = parse_uint(&text, &v->u, in); break;
+    case TZ_PARAM_BYTES: ok = parse_bytes(&text, &v->u, in); break;
+    case TZ_PARAM_DOUBLE: ok = parse_double(&text, p, &v->d[0], in); break;
+    case TZ_PARAM_SIZE: ok = parse_ints(&text, p, 2, "xX", v->i, in); break;
+    case TZ_PARAM_RECT: ok = parse_ints(&text, p, 4, ",", v->i, in); break;
     case TZ_PARAM_RANGE:
         ok = parse_double(&text, p, &v->d[0], in);
         v->d[1] = v->d[0];
@@ -218,26 +196,16 @@ static bool parse(const tz_param *p, const char *text, value *v, bool *in)
 static const char *form(const tz_param *p)
 {
     switch (p->type) {
-    case TZ_PARAM_BOOL:
-        return "true or false";
-    case TZ_PARAM_INT:
-        return "a whole number";
-    case TZ_PARAM_UINT64:
-        return "a whole number, not negative";
-    case TZ_PARAM_DOUBLE:
-        return "a number";
-    case TZ_PARAM_ENUM:
-        return p->choices;
-    case TZ_PARAM_STRING:
-        return "text of up to 1023 bytes";
-    case TZ_PARAM_SIZE:
-        return "a size such as 1024x512";
-    case TZ_PARAM_RANGE:
-        return "a number, or two such as -5,5, the lower first";
-    case TZ_PARAM_RECT:
-        return "a rectangle x,y,w,h such as 0,0,256,256";
-    case TZ_PARAM_BYTES:
-        return "a size such as 512M or 1G";
+    case TZ_PARAM_BOOL: return "true or false";
+    case TZ_PARAM_INT: return "a whole number";
+    case TZ_PARAM_UINT64: return "a whole number, not negative";
+    case TZ_PARAM_DOUBLE: return "a number";
+    case TZ_PARAM_ENUM: return p->choices;
+    case TZ_PARAM_STRING: return "text of up to 1023 bytes";
+    case TZ_PARAM_SIZE: return "a size such as 1024x512";
+    case TZ_PARAM_RANGE: return "a number, or two such as -5,5, the lower first";
+    case TZ_PARAM_RECT: return "a rectangle x,y,w,h such as 0,0,256,256";
+    case TZ_PARAM_BYTES: return "a size such as 512M or 1G";
     }
     return "";
 }
@@ -316,30 +284,16 @@ void tz_params_get(const tz_param *p, const void *s, char *text, size_t size)
     char a[32], b[32];
     memcpy(&v, (const char *)s + p->offset, value_size(p->type));
     switch (p->type) {
-    case TZ_PARAM_BOOL:
-        snprintf(text, size, "%s", v.b ? "true" : "false");
-        break;
-    case TZ_PARAM_INT:
-        snprintf(text, size, "%d", v.i[0]);
-        break;
-    case TZ_PARAM_UINT64:
-        snprintf(text, size, "%llu", (unsigned long long)v.u);
-        break;
-    case TZ_PARAM_ENUM:
-        choice_text(p, v.i[0], text, size);
-        break;
-    case TZ_PARAM_STRING:
-        snprintf(text, size, "%s", v.s);
-        break;
-    case TZ_PARAM_SIZE:
-        snprintf(text, size, "%dx%d", v.i[0], v.i[1]);
-        break;
+    case TZ_PARAM_BOOL: snprintf(text, size, "%s", v.b ? "true" : "false"); break;
+    case TZ_PARAM_INT: snprintf(text, size, "%d", v.i[0]); break;
+    case TZ_PARAM_UINT64: snprintf(text, size, "%llu", (unsigned long long)v.u); break;
+    case TZ_PARAM_ENUM: choice_text(p, v.i[0], text, size); break;
+    case TZ_PARAM_STRING: snprintf(text, size, "%s", v.s); break;
+    case TZ_PARAM_SIZE: snprintf(text, size, "%dx%d", v.i[0], v.i[1]); break;
     case TZ_PARAM_RECT:
         snprintf(text, size, "%d,%d,%d,%d", v.i[0], v.i[1], v.i[2], v.i[3]);
         break;
-    case TZ_PARAM_BYTES:
-        bytes_text(v.u, text, size);
-        break;
+    case TZ_PARAM_BYTES: bytes_text(v.u, text, size); break;
     case TZ_PARAM_DOUBLE:
         tz_number_format(v.d[0], a);
         snprintf(text, size, "%s", a);

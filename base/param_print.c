@@ -14,25 +14,16 @@ static bool numeric(const tz_param *p)
 static const char *placeholder(tz_param_type t)
 {
     switch (t) {
-    case TZ_PARAM_BOOL:
-        return "";
+    case TZ_PARAM_BOOL: return "";
     case TZ_PARAM_INT:
-    case TZ_PARAM_UINT64:
-        return "N";
-    case TZ_PARAM_DOUBLE:
-        return "X";
-    case TZ_PARAM_ENUM:
-        return "WORD";
-    case TZ_PARAM_STRING:
-        return "TEXT";
-    case TZ_PARAM_SIZE:
-        return "WxH";
-    case TZ_PARAM_RANGE:
-        return "LO,HI";
-    case TZ_PARAM_RECT:
-        return "X,Y,W,H";
-    case TZ_PARAM_BYTES:
-        return "BYTES";
+    case TZ_PARAM_UINT64: return "N";
+    case TZ_PARAM_DOUBLE: return "X";
+    case TZ_PARAM_ENUM: return "WORD";
+    case TZ_PARAM_STRING: return "TEXT";
+    case TZ_PARAM_SIZE: return "WxH";
+    case TZ_PARAM_RANGE: return "LO,HI";
+    case TZ_PARAM_RECT: return "X,Y,W,H";
+    case TZ_PARAM_BYTES: return "BYTES";
     }
     return "";
 }
@@ -112,9 +103,7 @@ static void put_choices(const char *choices, FILE *f)
 static void put_type(const tz_param *p, FILE *f)
 {
     switch (p->type) {
-    case TZ_PARAM_BOOL:
-        fputs("\"type\": \"boolean\"", f);
-        break;
+    case TZ_PARAM_BOOL: fputs("\"type\": \"boolean\"", f); break;
     case TZ_PARAM_INT:
     case TZ_PARAM_UINT64:
         fputs("\"type\": \"integer\", ", f);

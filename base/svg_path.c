@@ -136,23 +136,16 @@ static int arguments(char command)
 {
     switch (command & ~0x20) {
     case 'H':
-    case 'V':
-        return 1;
+    case 'V': return 1;
     case 'M':
     case 'L':
-    case 'T':
-        return 2;
+    case 'T': return 2;
     case 'S':
-    case 'Q':
-        return 4;
-    case 'C':
-        return 6;
-    case 'A':
-        return 7;
-    case 'Z':
-        return 0;
-    default:
-        return -1;
+    case 'Q': return 4;
+    case 'C': return 6;
+    case 'A': return 7;
+    case 'Z': return 0;
+    default: return -1;
     }
 }
 
@@ -171,15 +164,9 @@ static void execute(parser *s, char command, const double *v)
         put(s, TZ_PATH_MOVE, 1, q);
         s->start = s->at;
         break;
-    case 'L':
-        line_to(s, q[0]);
-        break;
-    case 'H':
-        line_to(s, (tz_vec2){q[0].x, a.y});
-        break;
-    case 'V':
-        line_to(s, (tz_vec2){a.x, o.y + v[0]});
-        break;
+    case 'L': line_to(s, q[0]); break;
+    case 'H': line_to(s, (tz_vec2){q[0].x, a.y}); break;
+    case 'V': line_to(s, (tz_vec2){a.x, o.y + v[0]}); break;
     case 'C':
         cubic_to(s, q[0], q[1], q[2]);
         s->handle = q[1];
@@ -198,12 +185,8 @@ static void execute(parser *s, char command, const double *v)
         quadratic_to(s, before == 'Q' ? mirrored : a, q[0]);
         s->before = 'Q';
         break;
-    case 'A':
-        arc_to(s, v, (tz_vec2){o.x + v[5], o.y + v[6]});
-        break;
-    default:
-        put(s, TZ_PATH_CLOSE, 0, NULL);
-        s->at = s->start;
+    case 'A': arc_to(s, v, (tz_vec2){o.x + v[5], o.y + v[6]}); break;
+    default: put(s, TZ_PATH_CLOSE, 0, NULL); s->at = s->start;
     }
 }
 

@@ -80,14 +80,9 @@ static bool make_transform(const char *name, size_t length, const double *v, int
         *m = tz_affine_place(centre, centre, v[0] * TZ_PI / 180, 1, false);
         return n == 1 || n == 3;
     }
-    case 4:
-        m->c = tan(v[0] * TZ_PI / 180);
-        return n == 1;
-    case 5:
-        m->b = tan(v[0] * TZ_PI / 180);
-        return n == 1;
-    default:
-        return false;
+    case 4: m->c = tan(v[0] * TZ_PI / 180); return n == 1;
+    case 5: m->b = tan(v[0] * TZ_PI / 180); return n == 1;
+    default: return false;
     }
 }
 
