@@ -48,8 +48,7 @@ const tz_param_table tz_arrange_param_table = {
 enum {
     KEY_BITS = 12,   /* pieces a tile */
     POINTS = 512,    /* overlap points compared */
-    BEST = 10,       /* candidates kept of all */
-    FINAL = 5,       /* of them refined, seam and all */
+    BEST = 16,       /* candidates kept of all, at most */
     NEAR = 48        /* placed pieces looked at around a place */
 };
 
@@ -223,17 +222,24 @@ static double compare(const grower *g, const overlap *o, const candidate *c)
     const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
     const float wmax = (float)f->width, hmax = (float)f->height;
     const uint8_t flip = tz_map_flip(c->map);
-    int32_t sum = 0, n = 0;
+    /* first where all points fall (this loop has no branch and is vectorised), then the
+     * features of those that hit the star and the photo */
+    float column[POINTS], row[POINTS];
+    int32_t hit[POINTS];
     for (int32_t k = 0; k < o->n; k++) {
         const float dx = o->x[k] - ox, dy = o->y[k] - oy;
         const float ux = a * dx + cc * dy, uy = b * dx + d * dy;
         const float px = ux + ex, py = uy + ey;
-        if (ux * ux + uy * uy > r2 || !(px >= 0 && py >= 0 && px < wmax && py < hmax))
-            continue;
-        const tz_feature g1 = f->v[(int64_t)(int32_t)py * f->width + (int32_t)px];
-        sum += tz_feature_distance(o->f[k], tz_feature_mirror(g1, flip));
-        n++;
+        column[k] = px, row[k] = py;
+        hit[k] = (ux * ux + uy * uy <= r2) & (px >= 0) & (py >= 0) & (px < wmax) & (py < hmax);
     }
+    int32_t sum = 0, n = 0;
+    for (int32_t k = 0; k < o->n; k++)
+        if (hit[k]) {
+            const tz_feature q = f->v[(int64_t)(int32_t)row[k] * f->width + (int32_t)column[k]];
+            sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
+            n++;
+        }
     return n ? (double)sum / n : 0;
 }
 
@@ -431,8 +437,7 @@ static bool inside(const tz_star *s, const tz_grown *q, const float radius[TZ_RA
 static bool shown(const void *user, double x, double y, tz_feature *f)
 {
     const grower *g = user;
-    const int64_t at = tz_canvas_at(&g->canvas, (int32_t)floor(x / TZ_CELL),
-                                    (int32_t)floor(y / TZ_CELL));
+    const int64_t at = tz_canvas_at(&g->canvas, tz_cell(x), tz_cell(y));
     if (at < 0 || g->canvas.label[at] < 0)
         return false;
     const tz_grown *q = grown(g, g->canvas.label[at]);
@@ -454,7 +459,7 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
     const bool structured = pl->rule->structure != TZ_STRUCTURE_RANDOM;
     if (structured)
         try_neighbours(g, pl, rng, best, &n);
-    const int32_t tries = 60 * g->p.effort;
+    const int32_t tries = 100 * g->p.effort;
     for (int32_t k = 0; k < tries; k++) {
         const int32_t id = tz_rng_below(rng, stars);
         if (star_allowed(g, pl->rule, &g->stars.star.v[id]))
@@ -463,7 +468,8 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
     tz_grown won = {.star = -1};
     float radius[TZ_RAYS], best_radius[TZ_RAYS];
     double least = INFINITY;
-    const int32_t judged = n < (structured ? FINAL : 2) ? n : structured ? FINAL : 2;
+    const int32_t most = structured ? 3 + g->p.effort : 2; /* refined, seam and all */
+    const int32_t judged = n < most ? n : most;
     for (int32_t k = 0; k < judged; k++) {
         candidate c = best[k];
         if (pl->coarse.n && structured && !c.coherent)

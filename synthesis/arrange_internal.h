@@ -95,15 +95,26 @@ typedef struct tz_canvas {
     int32_t *label;      /**< piece key, -1 = void */
 } tz_canvas;
 
+/** Cell of a coordinate: floor(x / TZ_CELL) for |x| < 2^30. */
+static inline int32_t tz_cell(double x)
+{
+    const int32_t i = (int32_t)(x * (1.0 / TZ_CELL));
+    return i - (x < i * (double)TZ_CELL);
+}
+
 static inline int64_t tz_canvas_at(const tz_canvas *c, int32_t i, int32_t j)
 {
     if (c->torus) {
-        i %= c->nx, i += i < 0 ? c->nx : 0;
-        j %= c->ny, j += j < 0 ? c->ny : 0;
+        if (i < 0 || i >= c->nx)
+            i %= c->nx, i += i < 0 ? c->nx : 0;
+        if (j < 0 || j >= c->ny)
+            j %= c->ny, j += j < 0 ? c->ny : 0;
     } else if (i < 0 || j < 0 || i >= c->nx || j >= c->ny) {
         return -1;
     }
-    return (int64_t)(j % c->ring) * c->nx + i;
+    if (c->ring < c->ny)
+        j %= c->ring;
+    return (int64_t)j * c->nx + i;
 }
 
 /** Placed piece while growing. */

@@ -29,29 +29,29 @@ static float ring_radius(const tz_star *star, int ray, int ring)
 static void closed_path(const int32_t *cost, int rays, int rings, int32_t bend_cost,
                         uint8_t *path)
 {
-    enum { MOST = TZ_RINGS };
-    int32_t sum[2][MOST];
-    int8_t from[2 * TZ_BORDER][MOST];
+    enum { MOST = TZ_RINGS, PAD = BEND, WALL = 1 << 28 };
+    int32_t sums[2][MOST + 2 * PAD];
+    int32_t from[2 * TZ_BORDER][MOST];
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < MOST + 2 * PAD; k++)
+            sums[side][k] = WALL;
     for (int k = 0; k < rings; k++)
-        sum[0][k] = cost[k];
+        sums[0][PAD + k] = cost[k], from[0][k] = 0;
     for (int col = 1; col < 2 * rays; col++) {
-        const int32_t *in = sum[(col - 1) & 1], *c = cost + (col % rays) * rings;
-        int32_t *out = sum[col & 1];
-        for (int k = 0; k < rings; k++) {
-            int32_t best = in[k];
-            int8_t step = 0;
-            for (int8_t d = -BEND; d <= BEND; d++) {
-                if (k + d < 0 || k + d >= rings)
-                    continue;
+        const int32_t *in = sums[(col - 1) & 1] + PAD, *c = cost + (col % rays) * rings;
+        int32_t *out = sums[col & 1] + PAD, *step = from[col];
+        for (int k = 0; k < rings; k++) { /* no branch: vectorised */
+            int32_t best = in[k], s = 0;
+            for (int d = -BEND; d <= BEND; d++) {
                 const int32_t t = in[k + d] + bend_cost * (d < 0 ? -d : d);
-                if (t < best)
-                    best = t, step = d;
+                s = t < best ? d : s;
+                best = t < best ? t : best;
             }
             out[k] = best + c[k];
-            from[col][k] = step;
+            step[k] = s;
         }
     }
-    const int32_t *last = sum[(2 * rays - 1) & 1];
+    const int32_t *last = sums[(2 * rays - 1) & 1] + PAD;
     int ring = 0;
     for (int k = 1; k < rings; k++)
         if (last[k] < last[ring])
@@ -84,8 +84,7 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
             const double r = ring_radius(star, ray, ring);
             const tz_vec2 p = {star->centre.x + r * dir.x, star->centre.y + r * dir.y};
             const tz_vec2 q = tz_affine_apply(map, p);
-            const int64_t at = tz_canvas_at(canvas, (int32_t)floor(q.x / TZ_CELL),
-                                            (int32_t)floor(q.y / TZ_CELL));
+            const int64_t at = tz_canvas_at(canvas, tz_cell(q.x), tz_cell(q.y));
             int32_t m = -1;
             if (at >= 0 && canvas->label[at] >= 0) {
                 m = mismatch(canvas->feature[at],

@@ -32,7 +32,7 @@
 
 enum { COARSE_STEPS = 24, FINE_STEPS = 6 };
 
-#define STEP 0.25F
+#define STEP 0.5F
 
 /* Shortens a step between two placements, all channels by one factor so that hue stays. */
 static void soften(float *d, int32_t channels)

@@ -32,12 +32,12 @@ static void spline_line(float *v, int32_t n, int64_t stride, int32_t lines)
     const float z = (float)POLE, gain = 6.0F;
     if (n < 2)
         return;
-    const int32_t reach = n < 16 ? n : 16;
+    enum { REACH = 16 };
     for (int32_t l = 0; l < lines; l++) {
         /* sum of the mirrored signal before the first sample; |z|^16 < 1e-9 */
         float sum = v[l], zk = z;
-        for (int32_t k = 0; k < reach; k++, zk *= z)
-            sum += zk * v[l + k * stride];
+        for (int32_t k = 0; k < REACH; k++, zk *= z)
+            sum += zk * v[l + (k < n ? k : mirror(k, n)) * stride];
         v[l] = gain * sum;
     }
     for (int32_t k = 1; k < n; k++) {
@@ -57,6 +57,28 @@ static void spline_line(float *v, int32_t n, int64_t stride, int32_t lines)
     }
 }
 
+/* Interpolating between pixels loses some of the finest contrast (most half-way between
+ * them, none on them). Over all phases the loss is made good beforehand: each line v
+ * becomes v + GAIN (v - (v[-1] + 2 v + v[1]) / 4), so that a resampled photo has on average
+ * the photo's own energy in its finest octaves. */
+#define GAIN 0.1F
+
+static void compensate_line(float *v, int32_t n, int64_t stride, int32_t lines)
+{
+    float before[256];
+    for (int32_t l = 0; l < lines; l++)
+        before[l] = v[l];
+    for (int32_t k = 0; k < n; k++) {
+        float *p = v + k * stride;
+        const float *next = k + 1 < n ? p + stride : p;
+        for (int32_t l = 0; l < lines; l++) {
+            const float here = p[l];
+            p[l] = here + GAIN * 0.25F * (2 * here - before[l] - next[l]);
+            before[l] = here;
+        }
+    }
+}
+
 typedef struct spline_job {
     tz_source_plane *s;
     bool vertical;
@@ -71,10 +93,13 @@ static tz_status spline_task(tz_ctx *ctx, void *arg, int64_t i, int worker)
     if (job->vertical) {
         const int64_t floats = (int64_t)s->width * s->step;
         const int64_t from = i * 256, n = floats - from < 256 ? floats - from : 256;
+        compensate_line(origin + from, s->height, s->stride, (int32_t)n);
         spline_line(origin + from, s->height, s->stride, (int32_t)n);
     } else {
-        for (int64_t y = i * 16; y < i * 16 + 16 && y < s->height; y++)
+        for (int64_t y = i * 16; y < i * 16 + 16 && y < s->height; y++) {
+            compensate_line(origin + y * s->stride, s->width, s->step, s->step);
             spline_line(origin + y * s->stride, s->width, s->step, s->step);
+        }
     }
     return TZ_OK;
 }
@@ -279,9 +304,10 @@ void tz_source_row(const tz_source_plane *s, tz_affine inv, bool exact, int64_t 
     const double cy = (double)y + 0.5;
     const double bx = (inv.c * cy + inv.e) * s->sx, ax = inv.a * s->sx;
     const double by = (inv.d * cy + inv.f) * s->sy, ay = inv.b * s->sy;
-    const float *origin = (s->spline && !exact ? s->spline : s->texel) + s->pad * s->stride +
+    const bool copy = exact && s->sx == 1 && s->sy == 1;
+    const float *origin = (copy ? s->texel : s->spline) + s->pad * s->stride +
                           (int64_t)s->pad * step;
-    if (exact && s->sx == 1 && s->sy == 1) {
+    if (copy) {
         const int64_t sx = (int64_t)floor(((double)x + 0.5) * inv.a + bx);
         const int64_t sy = (int64_t)floor(((double)x + 0.5) * inv.b + by);
         if (sy >= 0 && sy < s->height && sx >= 0 && sx + n <= s->width) {
