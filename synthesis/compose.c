@@ -23,6 +23,23 @@ const tz_param_table tz_compose_param_table = {
 
 enum { TILE = 512 };
 
+/* Coordinates must fit integers, and the copies that meet on a torus must be countable. */
+static tz_status check_extent(tz_ctx *ctx, const tz_layout *l, int32_t id, const tz_piece *p)
+{
+    const double most = 1e15, copies = 4e6;
+    if (!(p->x0 > -most && p->y0 > -most && p->x1 < most && p->y1 < most))
+        return tz_fail(ctx, TZ_INVALID,
+                       "layout: placement %d reaches out of all bounds; scale it down or move it",
+                       (int)id);
+    const double turns = ((p->x1 - p->x0) / l->width + 1) * ((p->y1 - p->y0) / l->height + 1);
+    if (l->tile && turns > copies)
+        return tz_fail(ctx, TZ_INVALID,
+                       "layout: placement %d is %.0f times as large as the tile that it wraps "
+                       "around; scale it down",
+                       (int)id, turns);
+    return TZ_OK;
+}
+
 static tz_status prepare_pieces(tz_ctx *ctx, tz_composer *c)
 {
     const tz_layout *l = c->layout;
@@ -51,6 +68,9 @@ static tz_status prepare_pieces(tz_ctx *ctx, tz_composer *c)
             p->x0 = v.x < p->x0 ? v.x : p->x0, p->x1 = v.x > p->x1 ? v.x : p->x1;
             p->y0 = v.y < p->y0 ? v.y : p->y0, p->y1 = v.y > p->y1 ? v.y : p->y1;
         }
+        tz_status st = check_extent(ctx, l, k, p);
+        if (st != TZ_OK)
+            return st;
         if (c->kind == TZ_MAP_NORMAL && c->channels >= 3) {
             /* Normals turn with the surface. Their y points up the picture while ours
              * points down: conjugate the linear part with diag(1, -1). */

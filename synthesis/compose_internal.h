@@ -84,6 +84,9 @@ tz_status tz_piece_index_init(tz_ctx *ctx, const tz_composer *c, tz_piece_index 
 typedef struct tz_label_scratch {
     TZ_ARRAY(int32_t) id;
     TZ_ARRAY(double) cross;
+    TZ_ARRAY(int32_t) near;  /**< pieces that may be the nearest in cell near_cell */
+    TZ_ARRAY(int32_t) turn;  /**< one turn of a small torus */
+    int32_t near_cell;
 } tz_label_scratch;
 tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y0,
                         int32_t spacing, int32_t nx, int32_t ny, int32_t *label,

@@ -11,16 +11,6 @@
 
 #include "synthesis/compose_internal.h"
 
-/* Cells of the index that a piece's box touches; on a torus ranges may leave 0..n-1. */
-static void cell_range(const tz_piece_index *ix, const tz_piece *p, int32_t margin, int32_t *i0,
-                       int32_t *i1, int32_t *j0, int32_t *j1)
-{
-    *i0 = (int32_t)floor((p->x0 - margin) / ix->cell);
-    *i1 = (int32_t)floor((p->x1 + margin) / ix->cell);
-    *j0 = (int32_t)floor((p->y0 - margin) / ix->cell);
-    *j1 = (int32_t)floor((p->y1 + margin) / ix->cell);
-}
-
 static int32_t wrap_index(int32_t i, int32_t n)
 {
     i %= n;
@@ -32,12 +22,18 @@ static int32_t clamp_index(int32_t i, int32_t n)
     return i < 0 ? 0 : i >= n ? n - 1 : i;
 }
 
+/* Cell of coordinate x, clamped before the conversion: boxes may be larger than int32. */
+static int32_t cell_of(double x, int32_t cell, int32_t n)
+{
+    const double i = floor(x / cell);
+    return i > 0 ? i < n ? (int32_t)i : n - 1 : 0;
+}
+
 /* The cells of a torus need not divide its sides: the last column is narrower, so that
  * wrapped pieces are entered with one cell more on every side. */
 static void for_cells(const tz_composer *c, const tz_piece_index *ix, const tz_piece *p,
                       int32_t *count, int32_t *id, int32_t self)
 {
-    int32_t i0, i1, j0, j1;
     const bool tile = c->layout->tile;
     const double w = c->layout->width, h = c->layout->height;
     const int32_t turns_x = tile ? 1 : 0;
@@ -51,9 +47,10 @@ static void for_cells(const tz_composer *c, const tz_piece_index *ix, const tz_p
             q.x0 += mx, q.x1 += mx, q.y0 += my, q.y1 += my;
             if (q.x1 < 0 || q.y1 < 0 || q.x0 > w || q.y0 > h)
                 continue;
-            cell_range(ix, &q, 0, &i0, &i1, &j0, &j1);
-            i0 = clamp_index(i0, ix->nx), i1 = clamp_index(i1, ix->nx);
-            j0 = clamp_index(j0, ix->ny), j1 = clamp_index(j1, ix->ny);
+            const int32_t i0 = cell_of(q.x0, ix->cell, ix->nx);
+            const int32_t i1 = cell_of(q.x1, ix->cell, ix->nx);
+            const int32_t j0 = cell_of(q.y0, ix->cell, ix->ny);
+            const int32_t j1 = cell_of(q.y1, ix->cell, ix->ny);
             for (int32_t j = j0; j <= j1; j++)
                 for (int32_t i = i0; i <= i1; i++) {
                     int32_t at = j * ix->nx + i;
@@ -116,6 +113,19 @@ static int compare_int32(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* Sorts and keeps one of each. @return what is left */
+static int32_t sort_once(int32_t *v, int32_t n)
+{
+    if (n < 2)
+        return n;
+    qsort(v, (size_t)n, sizeof *v, compare_int32);
+    int32_t kept = 1;
+    for (int32_t k = 1; k < n; k++)
+        if (v[k] != v[kept - 1])
+            v[kept++] = v[k];
+    return kept;
+}
+
 /* Ids of pieces whose cells meet [x0, x1) x [y0, y1), sorted, each once. */
 static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0, double x1,
                         double y1, tz_label_scratch *scratch)
@@ -146,14 +156,7 @@ static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0,
                     return s;
             }
         }
-    if (scratch->id.n > 1) {
-        qsort(scratch->id.v, (size_t)scratch->id.n, sizeof *scratch->id.v, compare_int32);
-        int32_t n = 1;
-        for (int32_t k = 1; k < scratch->id.n; k++)
-            if (scratch->id.v[k] != scratch->id.v[n - 1])
-                scratch->id.v[n++] = scratch->id.v[k];
-        scratch->id.n = n;
-    }
+    scratch->id.n = sort_once(scratch->id.v, scratch->id.n);
     return TZ_OK;
 }
 
@@ -253,57 +256,98 @@ tz_vec2 tz_piece_shift(const tz_composer *c, int32_t id, double px, double py)
     return shift;
 }
 
-/* Nearest piece to a bare point: smallest distance to its box, then to its centre. */
-static int32_t nearest(const tz_composer *c, double px, double py)
+/* ---- bare points -------------------------------------------------------------------- */
+
+/* Squared distances of a point to a piece's box and to the box's centre. */
+static void distances(const tz_composer *c, int32_t id, double px, double py, double *box,
+                      double *mid)
+{
+    const tz_piece *p = &c->piece[id];
+    const tz_vec2 m = tz_piece_shift(c, id, px, py);
+    const double x = px - m.x, y = py - m.y;
+    const double dx = x < p->x0 ? p->x0 - x : x > p->x1 ? x - p->x1 : 0;
+    const double dy = y < p->y0 ? p->y0 - y : y > p->y1 ? y - p->y1 : 0;
+    const double ex = x - 0.5 * (p->x0 + p->x1), ey = y - 0.5 * (p->y0 + p->y1);
+    *box = dx * dx + dy * dy;
+    *mid = ex * ex + ey * ey;
+}
+
+/* Pieces that may be the nearest to some point of cell (ci, cj): distances change no
+ * faster than the point moves, so a piece farther from the cell's centre than the nearest
+ * one by a whole diagonal of the cell is nowhere in it the nearest. */
+static tz_status gather_near(tz_ctx *ctx, const tz_composer *c, int32_t ci, int32_t cj,
+                             tz_label_scratch *scratch)
 {
     const tz_piece_index *ix = &c->index;
-    const bool tile = c->layout->tile;
-    const int32_t ci = clamp_index((int32_t)floor(px / ix->cell), ix->nx);
-    const int32_t cj = clamp_index((int32_t)floor(py / ix->cell), ix->ny);
     const int32_t rings = ix->nx > ix->ny ? ix->nx : ix->ny;
-    int32_t best = -1;
-    double best_box = INFINITY, best_mid = INFINITY;
-    for (int32_t ring = 0; ring <= rings; ring++) {
-        if (best >= 0 && (double)(ring - 2) * ix->cell > sqrt(best_box))
-            break;
+    const double px = (ci + 0.5) * ix->cell, py = (cj + 0.5) * ix->cell;
+    const double slack = 1.4143 * ix->cell;
+    double least = INFINITY, box, mid;
+    scratch->near.n = 0;
+    for (int32_t ring = 0; ring <= rings && (double)(ring - 2) * ix->cell <= least + slack; ring++)
         for (int32_t j = cj - ring; j <= cj + ring; j++)
             for (int32_t i = ci - ring; i <= ci + ring;
                  i += (j == cj - ring || j == cj + ring || ring == 0) ? 1 : 2 * ring) {
                 int32_t ii = i, jj = j;
-                if (tile) {
+                if (c->layout->tile) {
                     ii = wrap_index(i, ix->nx), jj = wrap_index(j, ix->ny);
                 } else if (i < 0 || j < 0 || i >= ix->nx || j >= ix->ny) {
                     continue;
                 }
                 const int32_t at = jj * ix->nx + ii;
                 for (int32_t k = ix->first[at]; k < ix->first[at + 1]; k++) {
-                    const int32_t id = ix->id[k];
-                    const tz_piece *p = &c->piece[id];
-                    const tz_vec2 m = tz_piece_shift(c, id, px, py);
-                    const double x = px - m.x, y = py - m.y;
-                    const double dx = x < p->x0 ? p->x0 - x : x > p->x1 ? x - p->x1 : 0;
-                    const double dy = y < p->y0 ? p->y0 - y : y > p->y1 ? y - p->y1 : 0;
-                    const double box = dx * dx + dy * dy;
-                    const double ex = x - 0.5 * (p->x0 + p->x1);
-                    const double ey = y - 0.5 * (p->y0 + p->y1);
-                    const double mid = ex * ex + ey * ey;
-                    if (box < best_box ||
-                        (box == best_box &&
-                         (mid < best_mid || (mid == best_mid && id > best))))
-                        best = id, best_box = box, best_mid = mid;
+                    distances(c, ix->id[k], px, py, &box, &mid);
+                    box = sqrt(box);
+                    least = box < least ? box : least;
+                    if (box > least + slack)
+                        continue;
+                    const tz_status s = tz_array_push(ctx, &scratch->near, ix->id[k]);
+                    if (s != TZ_OK)
+                        return s;
                 }
             }
-    }
-    return best;
+    scratch->near.n = sort_once(scratch->near.v, scratch->near.n);
+    return TZ_OK;
 }
 
-tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y0,
-                        int32_t spacing, int32_t nx, int32_t ny, int32_t *label,
-                        tz_label_scratch *scratch)
+/* Nearest piece to a bare point: smallest distance to its box, then to its centre, then
+ * the upper one. */
+static tz_status nearest(tz_ctx *ctx, const tz_composer *c, double px, double py,
+                         tz_label_scratch *scratch, int32_t *label)
+{
+    const tz_piece_index *ix = &c->index;
+    const int32_t ci = cell_of(px, ix->cell, ix->nx), cj = cell_of(py, ix->cell, ix->ny);
+    if (scratch->near_cell != cj * ix->nx + ci) {
+        const tz_status s = gather_near(ctx, c, ci, cj, scratch);
+        if (s != TZ_OK)
+            return s;
+        scratch->near_cell = cj * ix->nx + ci;
+    }
+    double best_box = INFINITY, best_mid = INFINITY, box, mid;
+    for (int32_t k = 0; k < scratch->near.n; k++) { /* ids rise */
+        distances(c, scratch->near.v[k], px, py, &box, &mid);
+        if (box < best_box || (box == best_box && mid <= best_mid))
+            *label = scratch->near.v[k], best_box = box, best_mid = mid;
+    }
+    return TZ_OK;
+}
+
+/* ---- grids --------------------------------------------------------------------------- */
+
+/* Next i such that g0 + i is a multiple of block. */
+static int64_t next_block(int64_t g0, int64_t i, int64_t block)
+{
+    const int64_t in = (g0 + i) % block;
+    return i + block - (in < 0 ? in + block : in);
+}
+
+/* Labels of grid points that are inside the layout or, on a torus, anywhere. */
+static tz_status label_inside(tz_ctx *ctx, const tz_composer *c, int64_t gx0, int64_t gy0,
+                              int32_t spacing, int32_t nx, int32_t ny, int32_t *label,
+                              tz_label_scratch *scratch)
 {
     const tz_layout *l = c->layout;
-    assert(x0 % spacing == 0 && y0 % spacing == 0);
-    const int64_t gx0 = x0 / spacing, gy0 = y0 / spacing;
+    const int64_t x0 = gx0 * spacing, y0 = gy0 * spacing;
     for (int64_t i = 0; i < (int64_t)nx * ny; i++)
         label[i] = -1;
     /* outside a plain layout points repeat the nearest inside point */
@@ -336,17 +380,30 @@ tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y
     }
     if (s != TZ_OK)
         return s;
-    for (int64_t j = d; j < e; j++)
-        for (int64_t i = a; i < b; i++)
-            if (label[j * nx + i] < 0) {
-                double px = ((double)(gx0 + i) + 0.5) * spacing;
-                double py = ((double)(gy0 + j) + 0.5) * spacing;
-                if (l->tile) {
-                    px -= floor(px / l->width) * l->width;
-                    py -= floor(py / l->height) * l->height;
+    const int32_t cells = c->index.nx * c->index.ny;
+    if (c->index.first[cells] == 0) /* nothing shows anywhere */
+        return TZ_OK;
+    /* bare points, one cell of the index after the other */
+    const int64_t block = c->index.cell / spacing;
+    scratch->near_cell = -1;
+    for (int64_t jb = d; jb < e && s == TZ_OK; jb = next_block(gy0, jb, block))
+        for (int64_t ib = a; ib < b && s == TZ_OK; ib = next_block(gx0, ib, block)) {
+            const int64_t je = next_block(gy0, jb, block), ie = next_block(gx0, ib, block);
+            for (int64_t j = jb; j < je && j < e; j++)
+                for (int64_t i = ib; i < ie && i < b && s == TZ_OK; i++) {
+                    if (label[j * nx + i] >= 0)
+                        continue;
+                    double px = ((double)(gx0 + i) + 0.5) * spacing;
+                    double py = ((double)(gy0 + j) + 0.5) * spacing;
+                    if (l->tile) {
+                        px -= floor(px / l->width) * l->width;
+                        py -= floor(py / l->height) * l->height;
+                    }
+                    s = nearest(ctx, c, px, py, scratch, &label[j * nx + i]);
                 }
-                label[j * nx + i] = nearest(c, px, py);
-            }
+        }
+    if (s != TZ_OK)
+        return s;
     if (a > 0 || b < nx)
         for (int64_t j = d; j < e; j++) {
             int32_t *row = label + j * nx;
@@ -362,8 +419,47 @@ tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y
     return TZ_OK;
 }
 
+static int32_t gcd(int32_t a, int32_t b)
+{
+    while (b) {
+        const int32_t t = a % b;
+        a = b, b = t;
+    }
+    return a;
+}
+
+tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y0,
+                        int32_t spacing, int32_t nx, int32_t ny, int32_t *label,
+                        tz_label_scratch *scratch)
+{
+    enum { SMALL = 16384 };
+    const tz_layout *l = c->layout;
+    assert(x0 % spacing == 0 && y0 % spacing == 0);
+    const int64_t gx0 = x0 / spacing, gy0 = y0 / spacing;
+    /* On a small torus the grid goes round many times: after px x py points it sees the
+     * same places again. Whether that is made use of depends on the layout alone. */
+    const int32_t px = l->width / gcd(l->width, spacing);
+    const int32_t py = l->height / gcd(l->height, spacing);
+    if (!l->tile || (int64_t)px * py > SMALL)
+        return label_inside(ctx, c, gx0, gy0, spacing, nx, ny, label, scratch);
+    tz_status s = tz_array_reserve(ctx, &scratch->turn, (int64_t)px * py);
+    if (s == TZ_OK)
+        s = label_inside(ctx, c, 0, 0, spacing, px, py, scratch->turn.v, scratch);
+    for (int32_t j = 0; j < ny && s == TZ_OK; j++) {
+        const int32_t *row = scratch->turn.v + (((gy0 + j) % py + py) % py) * px;
+        int32_t at = (int32_t)((gx0 % px + px) % px);
+        for (int32_t i = 0; i < nx; i++) {
+            label[(int64_t)j * nx + i] = row[at];
+            at = at + 1 == px ? 0 : at + 1;
+        }
+    }
+    return s;
+}
+
 void tz_label_scratch_deinit(tz_ctx *ctx, tz_label_scratch *s)
 {
     tz_array_free(ctx, &s->id);
     tz_array_free(ctx, &s->cross);
+    tz_array_free(ctx, &s->near);
+    tz_array_free(ctx, &s->turn);
 }
