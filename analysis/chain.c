@@ -22,6 +22,8 @@ typedef struct links {
     int32_t width, height;
     uint8_t *mask; /* bit k: linked in direction k; cleared as chains use them up */
     uint8_t *kind; /* number of links */
+    TZ_ARRAY(int64_t)
+    pixel; /* those on curves, in raster order */
 } links;
 
 static bool is_on(const tz_edge_map *m, int32_t x, int32_t y)
@@ -30,24 +32,45 @@ static bool is_on(const tz_edge_map *m, int32_t x, int32_t y)
            m->on[(int64_t)y * m->width + x];
 }
 
+/* Pixels of the map in raster order; once listed, they only become fewer. */
+static tz_status list_pixels(const tz_edge_map *m, links *l)
+{
+    tz_status s = TZ_OK;
+    if (l->pixel.n > 0) {
+        int32_t kept = 0;
+        for (int32_t i = 0; i < l->pixel.n; i++)
+            if (m->on[l->pixel.v[i]])
+                l->pixel.v[kept++] = l->pixel.v[i];
+        l->pixel.n = kept;
+        return s;
+    }
+    const uint8_t *end = m->on + (size_t)m->width * m->height;
+    for (const uint8_t *p = m->on; s == TZ_OK; p++) {
+        p = memchr(p, 1, (size_t)(end - p));
+        if (!p)
+            break;
+        s = tz_array_push(m->ctx, &l->pixel, p - m->on);
+    }
+    return s;
+}
+
 static void find_links(const tz_edge_map *m, links *l)
 {
-    for (int32_t y = 0; y < m->height; y++) {
-        for (int32_t x = 0; x < m->width; x++) {
-            const int64_t p = (int64_t)y * m->width + x;
-            uint8_t mask = 0, n = 0;
-            for (int32_t k = 0; k < 8 && m->on[p]; k++) {
-                const int32_t u = x + tz_chain_dx[k], v = y + tz_chain_dy[k];
-                if (!is_on(m, u, v))
-                    continue;
-                if ((k & 1) && (is_on(m, u, y) || is_on(m, x, v)))
-                    continue;
-                mask |= (uint8_t)(1 << k);
-                n++;
-            }
-            l->mask[p] = mask;
-            l->kind[p] = n;
+    for (int32_t i = 0; i < l->pixel.n; i++) {
+        const int64_t p = l->pixel.v[i];
+        const int32_t x = (int32_t)(p % m->width), y = (int32_t)(p / m->width);
+        uint8_t mask = 0, n = 0;
+        for (int32_t k = 0; k < 8; k++) {
+            const int32_t u = x + tz_chain_dx[k], v = y + tz_chain_dy[k];
+            if (!is_on(m, u, v))
+                continue;
+            if ((k & 1) && (is_on(m, u, y) || is_on(m, x, v)))
+                continue;
+            mask |= (uint8_t)(1 << k);
+            n++;
         }
+        l->mask[p] = mask;
+        l->kind[p] = n;
     }
 }
 
@@ -76,10 +99,10 @@ static tz_status trace(links *l, int64_t p, int32_t k, tz_ebpt *e)
 
 static tz_status trace_all(links *l, tz_ebpt *e)
 {
-    const int64_t n = (int64_t)l->width * l->height;
     tz_status s;
     for (int32_t closed = 0; closed < 2; closed++) {
-        for (int64_t p = 0; p < n; p++) {
+        for (int32_t i = 0; i < l->pixel.n; i++) {
+            const int64_t p = l->pixel.v[i];
             if (!closed && l->kind[p] == 2)
                 continue;
             while (l->mask[p]) {
@@ -205,6 +228,8 @@ tz_status tz_chain_link(tz_edge_map *m, double min_length, tz_ebpt *e)
         goto done;
     for (int32_t round = 0;; round++) {
         e->edge.n = e->code.n = 0;
+        if ((s = list_pixels(m, &l)) != TZ_OK)
+            goto done;
         find_links(m, &l);
         if ((s = trace_all(&l, e)) != TZ_OK)
             goto done;
@@ -221,6 +246,7 @@ tz_status tz_chain_link(tz_edge_map *m, double min_length, tz_ebpt *e)
 done:
     tz_free(m->ctx, l.mask);
     tz_free(m->ctx, l.kind);
+    tz_array_free(m->ctx, &l.pixel);
     return s;
 }
 

@@ -69,131 +69,155 @@ void tz_ebpt_deinit(tz_ebpt *e)
 
 /* ---- stages ---------------------------------------------------------------------- */
 
-typedef struct measure_job {
-    const tz_edge_map *m;
+typedef struct work {
+    const tz_image *photo;
     tz_ebpt *e;
-    double full; /* response of an edge of strength 1 */
-} measure_job;
+    tz_tensor t;
+    tz_edge_map m;  /* response for edges */
+    float *borders; /* response for regions */
+    double full;    /* edge response of strength 1 */
+    int32_t count;  /* regions */
+} work;
 
 #define EDGES_A_TASK 64
 
 static tz_status measure_some(tz_ctx *ctx, void *arg, int64_t i, int worker)
 {
-    measure_job *j = arg;
+    const work *k = arg;
+    const int64_t end = (i + 1) * EDGES_A_TASK, n = k->e->edge.n;
     (void)ctx, (void)worker;
-    for (int64_t k = i * EDGES_A_TASK; k < (i + 1) * EDGES_A_TASK && k < j->e->edge.n;
-         k++)
-        tz_chain_measure(j->m, j->full, j->e, (int32_t)k);
+    for (int64_t id = i * EDGES_A_TASK; id < end && id < n; id++)
+        tz_chain_measure(&k->m, k->full, k->e, (int32_t)id);
     return TZ_OK;
 }
 
-static tz_status edge_response(const tz_tensor *t, const tz_image *photo, tz_edge_map *m,
-                               const tz_ebpt_params *p, bool *forest)
+static bool use_forest(const tz_ebpt_params *p)
 {
-    static const double weight[TZ_TENSOR_LEVELS] = {0.5, 0.5};
-    *forest = p->edges == TZ_EDGES_FOREST || (p->edges == TZ_EDGES_AUTO && p->model[0]);
-    if (!*forest)
-        return tz_tensor_response(t, weight, m->response, m->normal);
-    if (!p->model[0])
-        return tz_fail(t->ctx, TZ_INVALID,
-                       "edges \"forest\" needs a model file (--model), or "
-                       "take --edges gradient");
-    return tz_forest_response(t->ctx, photo, p->model, m->response, m->normal);
+    return p->edges == TZ_EDGES_FOREST || (p->edges == TZ_EDGES_AUTO && p->model[0]);
 }
 
-/* Sec. 4.1: edges and their features. */
-static tz_status find_edges(const tz_tensor *t, const tz_image *photo, tz_edge_map *m,
-                            tz_ebpt *e)
+static tz_status make_responses(tz_ctx *ctx, work *k)
 {
-    measure_job j = {.m = m, .e = e};
-    bool forest;
-    tz_status s = edge_response(t, photo, m, &e->params, &forest);
-    if (s != TZ_OK)
-        return s;
-    s = tz_edge_map_detect(m, e->params.edge_threshold,
-                           forest ? LEAST_FOREST : LEAST_RESPONSE);
-    if (s != TZ_OK)
-        return s;
-    if ((s = tz_chain_link(m, e->params.min_length, e)) != TZ_OK)
-        return s;
-    j.full = forest ? 1 : 2.0 * m->strong;
-    return tz_parallel_for(e->ctx, (e->edge.n + EDGES_A_TASK - 1) / EDGES_A_TASK,
-                           measure_some, &j);
-}
-
-/* Superpixels and their merging; *count regions. */
-static tz_status find_regions(const tz_tensor *t, float *response, tz_ebpt *e,
-                              int32_t *count)
-{
-    const int32_t side = e->width > e->height ? e->width : e->height;
-    double weight[TZ_TENSOR_LEVELS] = {0}, full;
+    static const double fine[TZ_TENSOR_LEVELS] = {0.5, 0.5};
+    tz_ebpt *e = k->e;
+    double coarse[TZ_TENSOR_LEVELS] = {0};
     tz_status s;
-    tz_scale_weights(e->scale, weight);
-    if ((s = tz_tensor_response(t, weight, response, NULL)) != TZ_OK)
-        return s;
-    s = tz_scale_balance(e->ctx, response, e->width, e->height, e->scale);
+
+    s = tz_edge_map_init(ctx, &k->m, e->width, e->height);
     if (s != TZ_OK)
         return s;
-    full = tz_scale_full(response, (int64_t)e->width * e->height);
-    if (full < LEAST_RESPONSE)
-        full = LEAST_RESPONSE;
-    const double share = e->params.merge > 0 ? 0.2 : 1;
-    const double step = fmax(e->params.groups > 0 ? 2 : 5, share * e->scale);
-    if ((s = tz_superpixels(e->ctx, response, e->width, e->height, full, step, e->label,
-                            count)) != TZ_OK)
+    s = tz_alloc(ctx, &k->borders, (size_t)e->width * e->height, sizeof *k->borders);
+    if (s != TZ_OK)
         return s;
+    if (use_forest(&e->params))
+        s = tz_forest_response(ctx, k->photo, e->params.model, k->m.response,
+                               k->m.normal);
+    else
+        s = tz_tensor_response(&k->t, fine, k->m.response, k->m.normal);
+    if (s != TZ_OK)
+        return s;
+    tz_scale_weights(e->scale, coarse);
+    if ((s = tz_tensor_response(&k->t, coarse, k->borders, NULL)) != TZ_OK)
+        return s;
+    return tz_scale_balance(ctx, k->borders, e->width, e->height, e->scale);
+}
+
+/* Sec. 4.1 without the features. */
+static tz_status find_edges(work *k)
+{
+    const bool forest = use_forest(&k->e->params);
+    const double least = forest ? LEAST_FOREST : LEAST_RESPONSE;
+    tz_status s = tz_edge_map_detect(&k->m, k->e->params.edge_threshold, least);
+    if (s != TZ_OK)
+        return s;
+    k->full = forest ? 1 : 2.0 * k->m.strong;
+    return tz_chain_link(&k->m, k->e->params.min_length, k->e);
+}
+
+/* Superpixels and their merging. */
+static tz_status find_regions(tz_ctx *ctx, work *k)
+{
+    tz_ebpt *e = k->e;
+    const bool told = e->params.groups > 0;
+    const int32_t side = e->width > e->height ? e->width : e->height;
+    const double full =
+        fmax(LEAST_RESPONSE, tz_scale_full(k->borders, (int64_t)e->width * e->height));
+    const double share = e->params.merge > 0 ? 0.22 : 1;
+    const double step = fmax(told ? 2 : 6, share * e->scale);
     const tz_region_picture in = {.width = e->width,
                                   .height = e->height,
-                                  .channels = t->channels,
-                                  .response = response,
-                                  .lab = t->level[0].lab};
+                                  .channels = k->t.channels,
+                                  .response = k->borders,
+                                  .lab = k->t.level[0].lab};
     const tz_region_options o = {
         .full = full,
         .scale = e->scale,
         .merge = e->params.merge,
         .wanted = e->params.groups,
-        .longest = (int32_t)fmax(side / 3.0,
-                                 e->params.groups > 0 ? 3 * e->scale : LEAST_DIAMETER),
-        .least =
-            e->params.groups > 0 ? 1 : 0.25 * TZ_PI * LEAST_DIAMETER * LEAST_DIAMETER};
-    return tz_regions_merge(e->ctx, &in, &o, e->label, count);
+        .longest = (int32_t)fmax(side / 3.0, told ? 3 * e->scale : LEAST_DIAMETER),
+        .least = told ? 1 : 0.25 * TZ_PI * LEAST_DIAMETER * LEAST_DIAMETER};
+    tz_status s = tz_superpixels(ctx, k->borders, e->width, e->height, full, step,
+                                 e->label, &k->count);
+    return s == TZ_OK ? tz_regions_merge(ctx, &in, &o, e->label, &k->count) : s;
+}
+
+/* Edges and regions know nothing of each other: both are found at the same time. */
+static tz_status edges_or_regions(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    (void)worker;
+    return i == 0 ? find_regions(ctx, arg) : find_edges(arg);
+}
+
+static tz_status check(tz_ctx *ctx, const tz_image *photo, const tz_ebpt_params *p)
+{
+    if (photo->width < 1 || photo->height < 1 || photo->channels < 1)
+        return tz_fail(ctx, TZ_INVALID, "analyze: the photo has no pixels");
+    if (p->edges == TZ_EDGES_FOREST && !p->model[0])
+        return tz_fail(ctx, TZ_INVALID,
+                       "analyze: --edges forest needs a model file "
+                       "(--model); else take --edges gradient");
+    return TZ_OK;
 }
 
 tz_status tz_ebpt_analyze(tz_ctx *ctx, const tz_image *photo,
                           const tz_ebpt_params *params, tz_ebpt *out)
 {
-    tz_ebpt e = {
-        .width = photo->width, .height = photo->height, .params = *params, .ctx = ctx};
-    tz_tensor t = {0};
-    tz_edge_map m = {0};
-    int32_t count = 0;
+    const int64_t pixels = (int64_t)photo->width * photo->height;
+    tz_ebpt e = {.width = photo->width, .height = photo->height, .ctx = ctx};
+    work k = {.photo = photo, .e = &e};
     tz_status s;
 
     *out = (tz_ebpt){0};
-    if (photo->width < 1 || photo->height < 1 || photo->channels < 1)
-        return tz_fail(ctx, TZ_INVALID, "analyze: the photo has no pixels");
-    tz_progress_begin(ctx, "analyze", "px", (int64_t)photo->width * photo->height);
-    s = tz_alloc(ctx, &e.label, (size_t)photo->width * photo->height, sizeof *e.label);
+    if ((s = check(ctx, photo, params)) != TZ_OK)
+        return s;
+    e.params = *params;
+    tz_progress_begin(ctx, "analyze", "px", 3 * pixels);
+    if ((s = tz_alloc(ctx, &e.label, (size_t)pixels, sizeof *e.label)) != TZ_OK)
+        goto done;
+    if ((s = tz_tensor_init(ctx, photo, &k.t)) != TZ_OK)
+        goto done;
+    if ((s = tz_scale_find(&k.t, &e.params, &e.scale)) != TZ_OK)
+        goto done;
+    if ((s = make_responses(ctx, &k)) != TZ_OK)
+        goto done;
+    tz_progress_add(ctx, pixels);
+    if ((s = tz_parallel_for(ctx, 2, edges_or_regions, &k)) != TZ_OK)
+        goto done;
+    tz_progress_add(ctx, pixels);
+    s = tz_parallel_for(ctx, (e.edge.n + EDGES_A_TASK - 1) / EDGES_A_TASK, measure_some,
+                        &k);
     if (s != TZ_OK)
         goto done;
-    if ((s = tz_tensor_init(ctx, photo, &t)) != TZ_OK)
+    if ((s = tz_groups_encode(&e, k.count)) != TZ_OK)
         goto done;
-    if ((s = tz_edge_map_init(ctx, &m, photo->width, photo->height)) != TZ_OK)
-        goto done;
-    if ((s = find_edges(&t, photo, &m, &e)) != TZ_OK)
-        goto done;
-    if ((s = tz_scale_find(&t, &e.params, &e.scale)) != TZ_OK)
-        goto done;
-    if ((s = find_regions(&t, m.response, &e, &count)) != TZ_OK)
-        goto done;
-    if ((s = tz_groups_encode(&e, count)) != TZ_OK)
-        goto done;
+    tz_progress_add(ctx, pixels);
     if (tz_ctx_cancelled(ctx))
         s = TZ_CANCELLED;
 done:
     tz_progress_end(ctx);
-    tz_tensor_deinit(&t);
-    tz_edge_map_deinit(&m);
+    tz_tensor_deinit(&k.t);
+    tz_edge_map_deinit(&k.m);
+    tz_free(ctx, k.borders);
     if (s == TZ_OK)
         *out = e;
     else
