@@ -267,26 +267,24 @@ static void turn_normals(const tz_piece *p, float *texel, int32_t n, int32_t ste
     }
 }
 
-/* Back to unit length; data keeps the source's range. */
+/* Normals go back to unit length; all else keeps the source's range. */
 static void finish(const tz_composer *c, int32_t source, float *texel, int32_t n)
 {
     const int32_t step = c->step;
     const tz_source_plane *s = &c->source[source];
-    if (c->kind == TZ_MAP_NORMAL && c->channels >= 3) {
-        for (int32_t i = 0; i < n; i++, texel += step) {
-            const float x = 2 * texel[0] - 1, y = 2 * texel[1] - 1, z = 2 * texel[2] - 1;
-            const float length = sqrtf((x * x + y * y) + z * z);
-            if (length > 1e-6F) {
-                texel[0] = 0.5F + 0.5F * x / length;
-                texel[1] = 0.5F + 0.5F * y / length;
-                texel[2] = 0.5F + 0.5F * z / length;
-            }
+    const bool normals = c->kind == TZ_MAP_NORMAL && c->channels >= 3;
+    float *t = texel;
+    for (int32_t i = 0; normals && i < n; i++, t += step) {
+        const float x = 2 * t[0] - 1, y = 2 * t[1] - 1, z = 2 * t[2] - 1;
+        const float length = sqrtf((x * x + y * y) + z * z);
+        if (length > 1e-6F) {
+            t[0] = 0.5F + 0.5F * x / length;
+            t[1] = 0.5F + 0.5F * y / length;
+            t[2] = 0.5F + 0.5F * z / length;
         }
-        return;
     }
-    const int32_t channels = c->channels < 4 ? c->channels : 4;
     for (int32_t i = 0; i < n; i++, texel += step)
-        for (int32_t k = 0; k < channels; k++)
+        for (int32_t k = normals ? 3 : 0; k < c->channels; k++)
             texel[k] = texel[k] < s->lo[k] ? s->lo[k] : texel[k] > s->hi[k] ? s->hi[k] : texel[k];
 }
 

@@ -22,7 +22,7 @@ typedef struct tz_source_plane {
     double sx, sy;       /**< photo px per layout-source px (maps of another resolution) */
     float *low[2];       /**< means of LOW_CELL[k]^2 cells, dense lanes, (lw+2) x (lh+2) */
     int32_t lw[2], lh[2];
-    float lo[4], hi[4];  /**< range of the first lanes, for data maps */
+    float lo[TZ_IMAGE_MAX_CHANNELS], hi[TZ_IMAGE_MAX_CHANNELS]; /**< range of each channel */
 } tz_source_plane;
 
 #define TZ_SOURCE_PAD 4

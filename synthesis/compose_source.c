@@ -191,7 +191,7 @@ tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *
     tz_image copy = {0}; /* encoded rows, one at a time */
     (void)copy;
     const bool encode = !data && photo->encoding == TZ_ENCODING_LINEAR;
-    for (int k = 0; k < 4; k++)
+    for (int32_t k = 0; k < s->channels; k++)
         s->lo[k] = FLT_MAX, s->hi[k] = -FLT_MAX;
     for (int32_t y = 0; y < s->height; y++) {
         const float *in = tz_image_at(photo, 0, y);
@@ -202,10 +202,8 @@ tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *
                 if (encode && k != photo->alpha)
                     v = tz_srgb_encode(v);
                 out[(int64_t)x * s->step + k] = v;
-                if (k < 4) {
-                    s->lo[k] = v < s->lo[k] ? v : s->lo[k];
-                    s->hi[k] = v > s->hi[k] ? v : s->hi[k];
-                }
+                s->lo[k] = v < s->lo[k] ? v : s->lo[k];
+                s->hi[k] = v > s->hi[k] ? v : s->hi[k];
             }
     }
     frame(s, s->texel);
