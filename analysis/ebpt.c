@@ -30,7 +30,7 @@ static const tz_param rows[] = {
     {"model", TZ_PARAM_STRING, offsetof(tz_ebpt_params, model), 0, 0, "", "", NULL,
      "structured-forest model file (.yml or .yml.gz)"},
     {"edge-threshold", TZ_PARAM_DOUBLE, offsetof(tz_ebpt_params, edge_threshold), 0, 1,
-     "0.35", "", NULL, "weakest edge, as a share of the picture's own edge strength"},
+     "0.4", "", NULL, "weakest edge, as a share of the picture's own edge strength"},
     {"min-length", TZ_PARAM_INT, offsetof(tz_ebpt_params, min_length), 1, 10000, "8",
      "px", NULL, "shorter edges are dropped"},
     {"groups", TZ_PARAM_INT, offsetof(tz_ebpt_params, groups), 0, 1000000, "0", "", NULL,
@@ -98,7 +98,7 @@ static bool use_forest(const tz_ebpt_params *p)
 
 static tz_status make_responses(tz_ctx *ctx, work *k)
 {
-    static const double fine[TZ_TENSOR_LEVELS] = {0.5, 0.5};
+    static const double fine[TZ_TENSOR_LEVELS] = {0.35, 0.5, 0.35};
     tz_ebpt *e = k->e;
     double coarse[TZ_TENSOR_LEVELS] = {0};
     tz_status s;

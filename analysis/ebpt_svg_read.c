@@ -166,7 +166,8 @@ static tz_status read_head(reader *r, tz_svg_node at)
     if ((s = tz_array_reserve(r->ctx, &r->e.edge, edges)) != TZ_OK)
         return s;
     memset(r->e.group.v, 0, (size_t)groups * sizeof *r->e.group.v);
-    memset(r->e.edge.v, 0, (size_t)edges * sizeof *r->e.edge.v);
+    if (edges > 0)
+        memset(r->e.edge.v, 0, (size_t)edges * sizeof *r->e.edge.v);
     r->e.group.n = groups;
     r->e.edge.n = edges;
     r->sides = 2 * ((int64_t)r->e.width + 1) * r->e.height;

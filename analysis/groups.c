@@ -150,7 +150,8 @@ pair_list;
 static void settle(pair_list *l)
 {
     int32_t kept = 0;
-    qsort(l->v, (size_t)l->n, sizeof *l->v, by_number);
+    if (l->n > 0)
+        qsort(l->v, (size_t)l->n, sizeof *l->v, by_number);
     for (int32_t i = 0; i < l->n; i++)
         if (i == 0 || l->v[i] != l->v[i - 1])
             l->v[kept++] = l->v[i];
