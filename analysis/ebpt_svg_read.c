@@ -15,7 +15,6 @@ typedef struct reader {
     tz_svg_doc *doc;
     tz_ebpt e;
     tz_numbers n;        /* scratch */
-    tz_svg_path path;    /* scratch */
     tz_svg_node *region; /* by group */
     tz_svg_node *line;   /* by edge */
     tz_svg_node head;    /* <g id="regions"> */
@@ -241,18 +240,17 @@ static tz_status check_parts(reader *r)
 static tz_status read_outline(reader *r, int32_t id, tz_outline_sides *out)
 {
     const char *why = NULL, *d = tz_svg_attr(r->region[id], "d");
-    r->path.verb.n = r->path.point.n = 0;
+    tz_svg_path path = {0};
     if (!d)
         return bad(r, r->region[id], "the region has no outline (d)");
-    tz_status s = tz_svg_path_parse(NULL, d, &r->path);
+    tz_status s = tz_svg_path_parse(NULL, d, &path); /* its message lacks the line */
     if (s == TZ_FORMAT || s == TZ_INVALID)
         return bad(r, r->region[id], "the region's outline (d) is not path data");
-    if (s == TZ_OK)
-        s = tz_outline_read(r->ctx, &r->path, r->e.width, r->e.height, r->sides, out,
-                            &why);
-    if (s == TZ_FORMAT)
-        return bad(r, r->region[id], why);
-    return s;
+    if (s != TZ_OK)
+        return tz_fail(r->ctx, s, "%s: out of memory", r->name);
+    s = tz_outline_read(r->ctx, &path, r->e.width, r->e.height, r->sides, out, &why);
+    tz_svg_path_deinit(NULL, &path);
+    return s == TZ_FORMAT ? bad(r, r->region[id], why) : s;
 }
 
 /* Outlines are read twice: a short text can claim a large photo, so that the areas are
@@ -556,7 +554,6 @@ tz_status tz_ebpt_read(tz_ctx *ctx, const char *path, tz_ebpt *e, char **photo_p
     s = read_photo(&r, photo_path, photo_sha256);
 done:
     tz_array_free(NULL, &r.n);
-    tz_svg_path_deinit(NULL, &r.path);
     tz_free(ctx, r.region);
     tz_free(ctx, r.line);
     tz_svg_free(r.doc);
