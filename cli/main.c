@@ -68,8 +68,10 @@ static int flush_output(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
         return code;
+    if (code != EXIT_DONE) /* the error has been told */
+        return code;
     fprintf(stderr, "terrazzo: standard output: %s\n", strerror(errno));
-    return code ? code : EXIT_BAD;
+    return EXIT_BAD;
 }
 
 static int run(tz_cli *cli)
