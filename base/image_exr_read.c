@@ -181,10 +181,10 @@ static tz_status unpack(const reader *r, exr_decode_pipeline_t *pipe, int32_t x,
     for (int c = 0; c < pipe->channel_count; c++) {
         exr_coding_channel_info_t *ch = &pipe->channels[c];
         ch->decode_to_ptr = planes + plane * (size_t)c;
-        ch->user_bytes_per_element = ch->bytes_per_element;
+        ch->user_bytes_per_element = (uint8_t)ch->bytes_per_element;
         ch->user_data_type = ch->data_type;
-        ch->user_pixel_stride = ch->bytes_per_element;
-        ch->user_line_stride = ch->bytes_per_element * w;
+        ch->user_pixel_stride = (uint8_t)ch->bytes_per_element;
+        ch->user_line_stride = (uint8_t)ch->bytes_per_element * w;
     }
     exr_result_t rc = exr_decoding_choose_default_routines(r->ctx, 0, pipe);
     if (rc == EXR_ERR_SUCCESS)

@@ -219,7 +219,8 @@ static tz_status pack_piece(tz_ctx *ctx, void *arg, int64_t index, int worker)
     tz_image_sink *sink = job->sink;
     png *w = job->w;
     piece *out = &w->piece.v[index];
-    size_t row = sink->row_bytes, bpp = (size_t)(sink->channels * sink->sample_size);
+    size_t row = sink->row_bytes,
+           bpp = (size_t)sink->channels * (size_t)sink->sample_size;
     int32_t y0 = (int32_t)index * w->piece_rows, y1 = y0 + w->piece_rows;
     if (y1 > job->n)
         y1 = job->n;
@@ -239,16 +240,17 @@ static tz_status pack_piece(tz_ctx *ctx, void *arg, int64_t index, int worker)
             filter_row(0, p, up, to, row, bpp);
         } else if ((y - y0) % 4 == 0) { /* rows alike: choose for four at a time */
             uint64_t least = UINT64_MAX;
+            int pick = 0;
             for (int k = 0; k < 3; k++) {
                 filter_row(candidates[k], p, up, trial + (size_t)k * (row + 1), row, bpp);
                 uint64_t sum = cost(trial + (size_t)k * (row + 1) + 1, row);
                 if (sum < least) {
                     least = sum;
-                    best = k;
+                    pick = k;
                 }
             }
-            memcpy(to, trial + (size_t)best * (row + 1), row + 1);
-            best = candidates[best];
+            memcpy(to, trial + (size_t)pick * (row + 1), row + 1);
+            best = candidates[pick];
         } else {
             filter_row(best, p, up, to, row, bpp);
         }

@@ -265,7 +265,7 @@ static tz_status convert_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
         pack(sink->type, p, (int64_t)sink->width * sink->channels, to);
         return TZ_OK;
     }
-    float chunk[CHUNK];
+    float chunk[CHUNK] = {0};
     tz_image_sink part = *sink; /* a narrower sink: so many pixels at a time */
     int32_t step = CHUNK / sink->channels;
     for (int32_t x = 0; x < sink->width; x += step) {
