@@ -13,22 +13,21 @@ install(FILES ${CMAKE_BINARY_DIR}/terrazzo.pc
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET terrazzo_cli)
     install(TARGETS terrazzo_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-    # The man page comes from the parameter tables, by way of the command itself.
-    install(CODE "
-        execute_process(COMMAND \"$<TARGET_FILE:terrazzo_cli>\" params --man
-                        OUTPUT_VARIABLE page RESULT_VARIABLE rc ERROR_QUIET)
-        if(rc EQUAL 0 AND page)
-            file(WRITE \"${CMAKE_BINARY_DIR}/terrazzo.1\" \"\${page}\")
-            file(INSTALL \"${CMAKE_BINARY_DIR}/terrazzo.1\"
-                 DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\")
-        else()
-            message(STATUS \"no man page: the command does not print one yet\")
-        endif()")
+    # Man page and completions come from the parameter tables, by way of the command.
+    foreach(text "man;terrazzo.1;${CMAKE_INSTALL_MANDIR}/man1"
+            "bash;terrazzo;${CMAKE_INSTALL_DATADIR}/bash-completion/completions"
+            "zsh;_terrazzo;${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
+        list(GET text 0 format)
+        list(GET text 1 file)
+        list(GET text 2 folder)
+        install(CODE "
+            file(MAKE_DIRECTORY \"${CMAKE_BINARY_DIR}/texts\")
+            execute_process(COMMAND \"$<TARGET_FILE:terrazzo_cli>\" params --format ${format}
+                            OUTPUT_FILE \"${CMAKE_BINARY_DIR}/texts/${file}\"
+                            COMMAND_ERROR_IS_FATAL ANY)
+            file(INSTALL \"${CMAKE_BINARY_DIR}/texts/${file}\"
+                 DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${folder}\")")
+    endforeach()
 endif()
-set(completions ${PROJECT_SOURCE_DIR}/data/completions)
-install(FILES ${completions}/terrazzo.bash OPTIONAL RENAME terrazzo
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-install(FILES ${completions}/_terrazzo OPTIONAL
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
 install(DIRECTORY data/presets OPTIONAL
         DESTINATION ${CMAKE_INSTALL_DATADIR}/terrazzo)
