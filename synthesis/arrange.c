@@ -37,7 +37,7 @@ static const tz_param rows[] = {
     {"coherence", TZ_PARAM_DOUBLE, offsetof(tz_arrange_params, coherence), 0, 1, "0.35", "", NULL,
      "How readily a piece runs on just as the exemplar does; high values keep long structures "
      "and repeat more"},
-    {"effort", TZ_PARAM_INT, offsetof(tz_arrange_params, effort), 1, 9, "5", "", NULL,
+    {"effort", TZ_PARAM_INT, offsetof(tz_arrange_params, effort), 1, 9, "4", "", NULL,
      "Candidates tried for each piece"},
 };
 
@@ -207,8 +207,9 @@ static double apart(const grower *g, tz_vec2 a, tz_vec2 b)
     return sqrt(v.x * v.x + v.y * v.y);
 }
 
-/* Mean feature distance over the overlap points that the star covers. */
-static double compare(const grower *g, const overlap *o, const candidate *c)
+/* Mean feature distance over the overlap points that the star covers. Gives up, and returns
+ * more than `limit`, once the first half of the points is clearly worse than that. */
+static double compare(const grower *g, const overlap *o, const candidate *c, double limit)
 {
     const tz_star *s = &g->stars.star.v[c->star];
     const tz_feature_map *f = &g->map[s->exemplar];
@@ -234,12 +235,17 @@ static double compare(const grower *g, const overlap *o, const candidate *c)
         hit[k] = (ux * ux + uy * uy <= r2) & (px >= 0) & (py >= 0) & (px < wmax) & (py < hmax);
     }
     int32_t sum = 0, n = 0;
-    for (int32_t k = 0; k < o->n; k++)
-        if (hit[k]) {
-            const tz_feature q = f->v[(int64_t)(int32_t)row[k] * f->width + (int32_t)column[k]];
-            sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
-            n++;
-        }
+    for (int32_t half = 0; half < 2; half++) {
+        for (int32_t k = half; k < o->n; k += 2)
+            if (hit[k]) {
+                const tz_feature q =
+                    f->v[(int64_t)(int32_t)row[k] * f->width + (int32_t)column[k]];
+                sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
+                n++;
+            }
+        if (half == 0 && sum > 1.25 * limit * n)
+            break;
+    }
     return n ? (double)sum / n : 0;
 }
 
@@ -268,6 +274,12 @@ static double repetition(const grower *g, const place *pl, const candidate *c)
         cost += 500 * (1 - same / g->piece) * (1 - 0.6 * d / range);
     }
     return cost;
+}
+
+/* Score that a candidate must beat to be kept. */
+static double bar(const candidate best[BEST], int32_t n)
+{
+    return n < BEST ? INFINITY : best[BEST - 1].score;
 }
 
 static void keep(candidate best[BEST], int32_t *n, candidate c)
@@ -348,7 +360,9 @@ static void try_star(const grower *g, const place *pl, int32_t id, tz_rng *rng, 
     if (!covers(s, &k, pl->at, 0.85))
         return;
     k.score = pl->rule->structure == TZ_STRUCTURE_RANDOM ? 1000 * tz_rng_unit(rng)
-                                                         : compare(g, &pl->coarse, &k);
+                                                         : compare(g, &pl->coarse, &k, bar(best, *n));
+    if (k.score >= bar(best, *n))
+        return;
     k.score += repetition(g, pl, &k);
     keep(best, n, k);
 }
@@ -374,7 +388,7 @@ static void try_neighbours(const grower *g, const place *pl, tz_rng *rng, candid
             if (!covers(s, &c, pl->at, 0.85))
                 continue;
             if (u < g->p.coherence && star_allowed(g, pl->rule, s) && pl->rule->field < 0) {
-                c.score = compare(g, &pl->coarse, &c) + repetition(g, pl, &c);
+                c.score = compare(g, &pl->coarse, &c, INFINITY) + repetition(g, pl, &c);
                 keep(best, n, c);
             }
             for (int m = 0; m < TZ_SIMILAR && s->similar[m] >= 0; m++) {
@@ -385,7 +399,10 @@ static void try_neighbours(const grower *g, const place *pl, tz_rng *rng, candid
                                c.centre, 0};
                 if (!covers(z, &d, pl->at, 0.85))
                     continue;
-                d.score = compare(g, &pl->coarse, &d) + repetition(g, pl, &d);
+                d.score = compare(g, &pl->coarse, &d, bar(best, *n));
+                if (d.score >= bar(best, *n))
+                    continue;
+                d.score += repetition(g, pl, &d);
                 keep(best, n, d);
             }
         }
@@ -399,19 +416,24 @@ static candidate moved(candidate c, double dx, double dy)
     return c;
 }
 
-/* Shifts a candidate downhill, by 8 px first and by single pixels last. */
+/* Shifts a candidate downhill: by 8 and 4 px on the coarse points, by 2 and 1 on all. */
 static void refine(const grower *g, const place *pl, candidate *c)
 {
     static const int8_t dir[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-    double here = compare(g, &pl->dense, c);
-    for (int step = 8; step >= 1; step /= 2)
+    const overlap *o = &pl->coarse;
+    double here = compare(g, o, c, INFINITY);
+    for (int step = 8; step >= 1; step /= 2) {
+        if (step == 2) {
+            o = &pl->dense;
+            here = compare(g, o, c, INFINITY);
+        }
         for (int turn = 0; turn < 2; turn++) {
             int way = -1;
             for (int k = 0; k < 4; k++) {
                 const candidate d = moved(*c, step * dir[k][0], step * dir[k][1]);
                 if (!covers(&g->stars.star.v[d.star], &d, pl->at, 0.85))
                     continue;
-                const double there = compare(g, &pl->dense, &d);
+                const double there = compare(g, o, &d, here);
                 if (there < here)
                     here = there, way = k;
             }
@@ -419,6 +441,7 @@ static void refine(const grower *g, const place *pl, candidate *c)
                 break;
             *c = moved(*c, step * dir[way][0], step * dir[way][1]);
         }
+    }
     c->score = here;
 }
 
@@ -455,7 +478,7 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
 {
     candidate best[BEST];
     int32_t n = 0;
-    const int32_t stars = g->stars.star.n;
+    const int32_t stars = g->stars.first[g->n];
     const bool structured = pl->rule->structure != TZ_STRUCTURE_RANDOM;
     if (structured)
         try_neighbours(g, pl, rng, best, &n);
@@ -474,6 +497,9 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
         candidate c = best[k];
         if (pl->coarse.n && structured && !c.coherent)
             refine(g, pl, &c);
+        const double other = 0.5 * c.score + repetition(g, pl, &c);
+        if (other >= least)
+            continue;
         const tz_star *s = &g->stars.star.v[c.star];
         tz_grown q = {.star = c.star, .map = c.map, .centre = c.centre};
         if (!tz_affine_invert(q.map, &q.inv))
@@ -482,7 +508,7 @@ static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
             tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, radius);
         if (!inside(s, &q, radius, pl->at))
             continue;
-        const double score = seam + 0.5 * c.score + repetition(g, pl, &c);
+        const double score = seam + other;
         if (score < least) {
             least = score, won = q;
             memcpy(best_radius, radius, sizeof radius);
@@ -529,7 +555,10 @@ static tz_status grow_tile(tz_ctx *ctx, grower *g, int32_t strip, int32_t tile)
             if (st != TZ_OK)
                 return st;
             const int32_t key = (index << KEY_BITS) | (list->n - 1);
-            tz_canvas_draw(c, &g->map[s->exemplar], s, &q, key);
+            double border[2 * TZ_BORDER], scratch[TZ_BORDER];
+            tz_grown_border(s, &q, border);
+            tz_canvas_draw(c, &g->map[s->exemplar], q.map, q.inv, border, TZ_BORDER, scratch,
+                           key);
             const int64_t at = tz_canvas_at(c, i, j);
             if (c->label[at] < 0) { /* a cell that the border just misses */
                 c->label[at] = key;
@@ -572,9 +601,80 @@ static tz_status grow_strip(tz_ctx *ctx, void *arg, int64_t strip, int worker)
     return s;
 }
 
+/* ---- fixed placements ------------------------------------------------------------------ */
+
+/* Star that stands for a placement set by hand: its group's, or one made for it. */
+static tz_status star_for(tz_ctx *ctx, grower *g, const tz_layout *l, const tz_placement *p,
+                          int32_t *id)
+{
+    const tz_ebpt *e = g->ex[p->source].ebpt;
+    *id = p->group >= 0 && p->group < e->group.n ? g->stars.of_group[p->source][p->group] : -1;
+    if (*id >= 0)
+        return TZ_OK;
+    tz_star s = {.exemplar = p->source, .group = 0};
+    for (int k = 0; k < TZ_SIMILAR; k++)
+        s.similar[k] = -1;
+    for (int32_t k = p->border; k < p->border + p->points; k++) {
+        s.centre.x += l->border.v[k].x / p->points;
+        s.centre.y += l->border.v[k].y / p->points;
+    }
+    *id = g->stars.star.n;
+    return tz_array_push(ctx, &g->stars.star, s);
+}
+
+static tz_status draw_fixed(tz_ctx *ctx, grower *g, const tz_layout *l)
+{
+    const int32_t last = g->strips * g->tiles;
+    grown_list *list = &g->tile[last];
+    double *border = NULL;
+    tz_status s = TZ_OK;
+    g->canvas.fixed = last << KEY_BITS;
+    for (int32_t k = 0; k < l->place.n && s == TZ_OK; k++) {
+        const tz_placement *p = &l->place.v[k];
+        if (!p->fixed || p->removed)
+            continue;
+        if (list->n >= 1 << KEY_BITS)
+            return tz_fail(ctx, TZ_LIMIT, "layout: more than %d fixed placements",
+                           1 << KEY_BITS);
+        tz_grown q = {.map = p->map};
+        if (!tz_affine_invert(p->map, &q.inv))
+            return tz_fail(ctx, TZ_INVALID, "layout: placement %d has a map without inverse",
+                           (int)k);
+        s = star_for(ctx, g, l, p, &q.star);
+        if (s == TZ_OK)
+            s = tz_array_push(ctx, list, q);
+        if (s == TZ_OK)
+            s = tz_alloc(ctx, &border, 3 * (size_t)p->points, sizeof *border);
+        if (s != TZ_OK)
+            break;
+        tz_vec2 mid = {0, 0};
+        for (int32_t i = 0; i < p->points; i++) {
+            const tz_point b = l->border.v[p->border + i];
+            const tz_vec2 v = tz_affine_apply(p->map, (tz_vec2){b.x, b.y});
+            border[2 * i] = v.x, border[2 * i + 1] = v.y;
+            mid.x += v.x / p->points, mid.y += v.y / p->points;
+        }
+        list->v[list->n - 1].centre = mid;
+        tz_canvas_draw(&g->canvas, &g->map[p->source], q.map, q.inv, border, p->points,
+                       border + 2 * (size_t)p->points,
+                       (last << KEY_BITS) | (list->n - 1));
+        tz_free(ctx, border);
+        border = NULL;
+    }
+    return s;
+}
+
+static bool has_fixed(const tz_layout *l)
+{
+    for (int32_t k = 0; k < l->place.n; k++)
+        if (l->place.v[k].fixed && !l->place.v[k].removed)
+            return true;
+    return false;
+}
+
 /* ---- driver -------------------------------------------------------------------------- */
 
-static tz_status write_layout(const grower *g, tz_layout *l)
+static tz_status write_layout(const grower *g, const tz_layout *old, tz_layout *l)
 {
     tz_status s = TZ_OK;
     for (int32_t k = 0; k < g->n && s == TZ_OK; k++) {
@@ -595,11 +695,30 @@ static tz_status write_layout(const grower *g, tz_layout *l)
             int32_t id;
             s = tz_layout_add(l, star->exemplar, star->group, q->map, border, TZ_BORDER, &id);
         }
+    /* what the artist has set lies on top */
+    for (int32_t k = 0; k < old->place.n && s == TZ_OK; k++) {
+        const tz_placement *p = &old->place.v[k];
+        int32_t id;
+        if (!p->fixed || p->removed)
+            continue;
+        s = tz_layout_add(l, p->source, p->group, p->map, old->border.v + p->border, p->points,
+                          &id);
+        if (s == TZ_OK)
+            l->place.v[id].fixed = 1, l->place.v[id].medium = p->medium;
+    }
     return s;
 }
 
-static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n)
+static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_layout *l,
+                       const tz_arrange_params *p)
 {
+    if (l->place.n && (l->width != p->size[0] || l->height != p->size[1] || l->tile != p->tile ||
+                       l->source.n != n))
+        return tz_fail(ctx, TZ_INVALID,
+                       "arrange: the layout to go on from is %d x %d px with %d sources, not "
+                       "%d x %d with %d",
+                       (int)l->width, (int)l->height, (int)l->source.n, (int)p->size[0],
+                       (int)p->size[1], (int)n);
     if (n < 1 || n > 64)
         return tz_fail(ctx, TZ_INVALID, "arrange: 1 to 64 exemplars are needed, not %d", (int)n);
     for (int32_t k = 0; k < n; k++)
@@ -621,7 +740,7 @@ static double piece_size(const tz_exemplar *ex, int32_t n, double wanted)
     for (int32_t k = 0; k < n; k++) {
         const double shorter =
             ex[k].ebpt->width < ex[k].ebpt->height ? ex[k].ebpt->width : ex[k].ebpt->height;
-        sum += fmin(fmax(2.5 * ex[k].ebpt->scale, 96), fmax(shorter / 2.6, 16));
+        sum += fmin(fmax(2.5 * ex[k].ebpt->scale, 104), fmax(shorter / 2.6, 16));
     }
     return sum / n;
 }
@@ -632,7 +751,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     grower g = {.ex = ex, .n = n, .rules = rules, .p = *params};
     tz_rules own = {0};
     tz_layout made = {0};
-    tz_status s = check(ctx, ex, n);
+    tz_status s = check(ctx, ex, n, l, params);
     if (s == TZ_OK && !rules) {
         s = tz_rules_default(ctx, &own);
         g.rules = &own;
@@ -660,25 +779,31 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     g.span = (int32_t)((2.2 * g.piece + 2.2 * g.stars.reach + 16) / TZ_CELL);
     g.strips = (c->ny + g.strip - 1) / g.strip;
     g.tiles = (c->nx + g.span - 1) / g.span;
-    if ((int64_t)g.strips * g.tiles > INT32_MAX >> KEY_BITS) {
+    if ((int64_t)g.strips * g.tiles >= INT32_MAX >> KEY_BITS) {
         s = tz_fail(ctx, TZ_LIMIT, "arrange: pieces of %.0f px are too small for %d x %d px",
                     g.piece, (int)params->size[0], (int)params->size[1]);
         goto done;
     }
     c->ring = (tz_ctx_threads(ctx) + 10) * g.strip + (int32_t)(6 * g.stars.reach / TZ_CELL);
-    if (c->ring > c->ny || params->tile)
+    if (c->ring > c->ny || params->tile || has_fixed(l))
         c->ring = c->ny;
     const size_t cells = (size_t)c->nx * (size_t)c->ring;
     s = tz_alloc(ctx, &c->feature, cells, sizeof *c->feature);
     if (s == TZ_OK)
         s = tz_alloc(ctx, &c->label, cells, sizeof *c->label);
     if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &g.tile, (size_t)g.strips * (size_t)g.tiles, sizeof *g.tile);
+        s = tz_alloc_zero(ctx, &g.tile, (size_t)g.strips * (size_t)g.tiles + 1, sizeof *g.tile);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &g.progress, (size_t)g.strips, sizeof *g.progress);
     if (s != TZ_OK)
         goto done;
     memset(c->label, 0xff, cells * sizeof *c->label);
+    c->fixed = INT32_MAX;
+    if (has_fixed(l)) {
+        s = draw_fixed(ctx, &g, l);
+        if (s != TZ_OK)
+            goto done;
+    }
     tz_progress_begin(ctx, "arrange", "px", (int64_t)params->size[0] * params->size[1]);
     s = tz_parallel_for(ctx, g.strips, grow_strip, &g);
     tz_progress_end(ctx);
@@ -686,7 +811,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
         goto done;
     s = tz_layout_init(ctx, &made, params->size[0], params->size[1], params->tile);
     if (s == TZ_OK)
-        s = write_layout(&g, &made);
+        s = write_layout(&g, l, &made);
     if (s == TZ_OK) {
         tz_layout_deinit(l);
         *l = made;
@@ -695,7 +820,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
 done:
     tz_layout_deinit(&made);
     tz_rules_deinit(&own);
-    for (int32_t k = 0; g.tile && k < g.strips * g.tiles; k++)
+    for (int32_t k = 0; g.tile && k <= g.strips * g.tiles; k++)
         tz_array_free(ctx, &g.tile[k]);
     tz_free(ctx, g.tile);
     tz_free(ctx, g.progress);

@@ -93,6 +93,7 @@ typedef struct tz_canvas {
     bool torus;
     tz_feature *feature;
     int32_t *label;      /**< piece key, -1 = void */
+    int32_t fixed;       /**< keys from here on belong to fixed placements: never covered */
 } tz_canvas;
 
 /** Cell of a coordinate: floor(x / TZ_CELL) for |x| < 2^30. */
@@ -188,8 +189,13 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
                     const tz_star *star, tz_affine map, const float radius[TZ_RAYS],
                     float border[TZ_BORDER]);
 
-/** Writes a piece into the canvas. @return cells newly filled */
-int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
-                       const tz_grown *g, int32_t key);
+/** Writes a piece into the canvas, except over fixed ones.
+ * @param border  n layout points, x and y interleaved, of a simple polygon
+ * @param scratch room for n numbers */
+void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map, tz_affine inv,
+                    const double *border, int32_t n, double *scratch, int32_t key);
+
+/** Border of a grown star in layout px, 2 * TZ_BORDER numbers. */
+void tz_grown_border(const tz_star *star, const tz_grown *g, double *border);
 
 #endif

@@ -153,46 +153,59 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
         border[ray] = fmaxf(centre[ray] + path[ray] - BAND / 2, 1);
 }
 
-/* Scan-converts the border onto cell centres. */
-int32_t tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
-                       const tz_grown *g, int32_t key)
+void tz_grown_border(const tz_star *star, const tz_grown *g, double *border)
 {
-    double x[TZ_BORDER], y[TZ_BORDER], y0 = INFINITY, y1 = -INFINITY;
-    int32_t fresh = 0;
-    const uint8_t flip = tz_map_flip(g->map);
     for (int ray = 0; ray < TZ_BORDER; ray++) {
         const tz_vec2 dir = tz_ray(ray, TZ_BORDER);
         const tz_vec2 q =
             tz_affine_apply(g->map, (tz_vec2){star->centre.x + g->border[ray] * dir.x,
                                               star->centre.y + g->border[ray] * dir.y});
-        x[ray] = q.x / TZ_CELL, y[ray] = q.y / TZ_CELL;
-        y0 = fmin(y0, y[ray]), y1 = fmax(y1, y[ray]);
+        border[2 * ray] = q.x, border[2 * ray + 1] = q.y;
     }
-    for (int32_t j = (int32_t)floor(y0); j <= (int32_t)y1; j++) {
-        double cross[TZ_BORDER];
-        int n = 0;
-        const double cy = j + 0.5;
-        for (int k = 0; k < TZ_BORDER; k++) {
-            const int k2 = (k + 1) % TZ_BORDER;
-            if ((y[k] <= cy) == (y[k2] <= cy))
+}
+
+/* Scan-converts the border onto cell centres. */
+void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map, tz_affine inv,
+                    const double *border, int32_t n, double *cross, int32_t key)
+{
+    double y0 = INFINITY, y1 = -INFINITY;
+    const uint8_t flip = tz_map_flip(map);
+    for (int32_t k = 0; k < n; k++)
+        y0 = fmin(y0, border[2 * k + 1]), y1 = fmax(y1, border[2 * k + 1]);
+    /* on a plain canvas only the rows that exist; a torus takes one turn at most */
+    int64_t j0 = (int64_t)floor(y0 / TZ_CELL), j1 = (int64_t)floor(y1 / TZ_CELL);
+    if (!canvas->torus)
+        j0 = j0 < 0 ? 0 : j0, j1 = j1 >= canvas->ny ? canvas->ny - 1 : j1;
+    else if (j1 - j0 >= canvas->ny)
+        j1 = j0 + canvas->ny - 1;
+    for (int64_t j = j0; j <= j1; j++) {
+        int32_t count = 0;
+        const double cy = ((double)j + 0.5) * TZ_CELL;
+        for (int32_t k = 0; k < n; k++) {
+            const double *p = border + 2 * k, *q = border + 2 * ((k + 1) % n);
+            if ((p[1] <= cy) == (q[1] <= cy))
                 continue;
-            const double c = x[k] + (cy - y[k]) * (x[k2] - x[k]) / (y[k2] - y[k]);
-            int at = n++;
+            const double c = p[0] + (cy - p[1]) * (q[0] - p[0]) / (q[1] - p[1]);
+            int32_t at = count++;
             while (at > 0 && cross[at - 1] > c)
                 cross[at] = cross[at - 1], at--;
             cross[at] = c;
         }
-        for (int k = 0; k + 1 < n; k += 2)
-            for (int32_t i = (int32_t)ceil(cross[k] - 0.5); i + 0.5 < cross[k + 1]; i++) {
-                const int64_t at = tz_canvas_at(canvas, i, j);
-                if (at < 0)
+        for (int32_t k = 0; k + 1 < count; k += 2) {
+            double x0 = ceil(cross[k] / TZ_CELL - 0.5), x1 = ceil(cross[k + 1] / TZ_CELL - 0.5);
+            if (!canvas->torus)
+                x0 = fmax(x0, 0), x1 = fmin(x1, canvas->nx);
+            else
+                x1 = fmin(x1, x0 + canvas->nx);
+            for (int64_t i = (int64_t)x0; i < (int64_t)x1; i++) {
+                const int64_t at = tz_canvas_at(canvas, (int32_t)i, (int32_t)j);
+                if (at < 0 || canvas->label[at] >= canvas->fixed)
                     continue;
                 const tz_vec2 p = tz_affine_apply(
-                    g->inv, (tz_vec2){(i + 0.5) * TZ_CELL, (j + 0.5) * TZ_CELL});
-                fresh += canvas->label[at] < 0;
+                    inv, (tz_vec2){((double)i + 0.5) * TZ_CELL, ((double)j + 0.5) * TZ_CELL});
                 canvas->label[at] = key;
                 canvas->feature[at] = tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip);
             }
+        }
     }
-    return fresh;
 }
