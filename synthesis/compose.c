@@ -136,7 +136,7 @@ tz_status tz_composer_new(tz_ctx *ctx, const tz_layout *l, const tz_image *photo
     c->sources = n;
     s = prepare_pieces(ctx, c);
     bool spline = false;
-    for (int32_t k = 0; k < l->place.n; k++)
+    for (int32_t k = 0; s == TZ_OK && k < l->place.n; k++)
         spline |= !l->place.v[k].removed && !c->piece[k].exact;
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &c->source, (size_t)n, sizeof *c->source);
