@@ -44,7 +44,8 @@ double tz_neighbourhood_cost(const tz_neighbour *a, int32_t na, const tz_neighbo
     for (int32_t i = 0; i < na; i++) {
         best[i] = limit, with[i] = -1;
         for (int32_t j = 0; j < nb; j++) {
-            cost[i][j] = a[i].kind == b[j].kind ? pair_cost(&a[i], &b[j], u[i], v[j], w) : limit;
+            cost[i][j] =
+                a[i].kind == b[j].kind ? pair_cost(&a[i], &b[j], u[i], v[j], w) : limit;
             if (cost[i][j] < best[i])
                 best[i] = cost[i][j], with[i] = j;
         }

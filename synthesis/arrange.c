@@ -7,662 +7,41 @@
  * random. Each is laid so that it covers the place and overlaps what is there; the overlap
  * is compared by features, the best few are shifted to where edges and tones meet, their
  * seams are found, and the best seam wins.
- *
- * Strips are cut into tiles; a tile may be grown as soon as the tile up and to the right of
- * it is, so that several threads follow each other down the layout and yet every choice
- * sees the same surroundings: the layout does not depend on the count of threads. */
-#include <sched.h>
-#include <stdatomic.h>
+ */
 #include <string.h>
 
 #include "synthesis/arrange_internal.h"
 
 static const tz_param rows[] = {
-    {"size", TZ_PARAM_SIZE, offsetof(tz_arrange_params, size), 1, TZ_IMAGE_MAX_SIDE, "2048x2048",
-     "px", NULL, "Width and height of the layout"},
+    {"size", TZ_PARAM_SIZE, offsetof(tz_arrange_params, size), 1, TZ_IMAGE_MAX_SIDE,
+     "2048x2048", "px", NULL, "Width and height of the layout"},
     {"seed", TZ_PARAM_UINT64, offsetof(tz_arrange_params, seed), 0, 1.8e19, "1", "", NULL,
      "Names the variant: the same seed gives the same texture"},
     {"tile", TZ_PARAM_BOOL, offsetof(tz_arrange_params, tile), 0, 1, "false", "", NULL,
      "Make the texture seamless: opposite borders fit"},
-    {"piece", TZ_PARAM_DOUBLE, offsetof(tz_arrange_params, piece), 0, 4096, "0", "px", NULL,
+    {"piece", TZ_PARAM_DOUBLE, offsetof(tz_arrange_params, piece), 0, 4096, "0", "px",
+     NULL,
      "Diameter of a placed piece; 0 takes it from the picture's own scale of structure"},
-    {"rotate-auto", TZ_PARAM_BOOL, offsetof(tz_arrange_params, rotate_auto), 0, 1, "true", "",
-     NULL, "Turn pieces as far as the exemplar's own directions allow"},
-    {"rotation", TZ_PARAM_RANGE, offsetof(tz_arrange_params, rotation), -180, 180, "0,0", "deg",
-     NULL, "Range of rotation when rotate-auto is off"},
-    {"scale", TZ_PARAM_RANGE, offsetof(tz_arrange_params, scale), 0.25, 4, "0.94,1.06", "", NULL,
-     "Range of the factor by which pieces are scaled"},
+    {"rotate-auto", TZ_PARAM_BOOL, offsetof(tz_arrange_params, rotate_auto), 0, 1, "true",
+     "", NULL, "Turn pieces as far as the exemplar's own directions allow"},
+    {"rotation", TZ_PARAM_RANGE, offsetof(tz_arrange_params, rotation), -180, 180, "0,0",
+     "deg", NULL, "Range of rotation when rotate-auto is off"},
+    {"scale", TZ_PARAM_RANGE, offsetof(tz_arrange_params, scale), 0.25, 4, "0.94,1.06",
+     "", NULL, "Range of the factor by which pieces are scaled"},
     {"mirror", TZ_PARAM_ENUM, offsetof(tz_arrange_params, mirror), 0, 2, "auto", "",
      "auto|never|always", "Whether pieces may be mirrored left to right"},
-    {"coherence", TZ_PARAM_DOUBLE, offsetof(tz_arrange_params, coherence), 0, 1, "0.35", "", NULL,
-     "How readily a piece runs on just as the exemplar does; high values keep long structures "
+    {"coherence", TZ_PARAM_DOUBLE, offsetof(tz_arrange_params, coherence), 0, 1, "0.35",
+     "", NULL,
+     "How readily a piece runs on just as the exemplar does; high values keep long "
+     "structures "
      "and repeat more"},
     {"effort", TZ_PARAM_INT, offsetof(tz_arrange_params, effort), 1, 9, "4", "", NULL,
      "Candidates tried for each piece"},
 };
 
 const tz_param_table tz_arrange_param_table = {
-    "arrange", "Arrangement of edge groups over a domain", rows, sizeof rows / sizeof rows[0],
-    sizeof(tz_arrange_params)};
-
-enum {
-    KEY_BITS = 12,   /* pieces a tile */
-    POINTS = 512,    /* overlap points compared */
-    BEST = 16,       /* candidates kept of all, at most */
-    NEAR = 48        /* placed pieces looked at around a place */
-};
-
-typedef TZ_ARRAY(tz_grown) grown_list;
-
-typedef struct grower {
-    const tz_exemplar *ex;
-    int32_t n;
-    const tz_rules *rules;
-    tz_arrange_params p;
-    double piece;
-    tz_stars stars;
-    tz_feature_map *map;
-    tz_freedom *freedom;
-    tz_canvas canvas;
-    int32_t strip, span;          /* cells: height of a strip, width of a tile */
-    int32_t strips, tiles;
-    grown_list *tile;             /* strips * tiles */
-    atomic_int *progress;         /* tiles done, per strip */
-    atomic_bool stop;
-} grower;
-
-typedef struct candidate {
-    int32_t star;
-    bool coherent;
-    tz_affine map;
-    tz_vec2 centre;
-    double score;
-} candidate;
-
-typedef struct overlap {
-    int32_t n;
-    float x[POINTS], y[POINTS];
-    tz_feature f[POINTS];
-} overlap;
-
-typedef struct place {
-    tz_vec2 at;         /* the void point, layout px */
-    tz_vec2 towards;    /* from it to the middle of the void around */
-    const tz_rule *rule;
-    int32_t rule_index;
-    overlap coarse, dense;
-    int32_t near[NEAR], nears;  /* keys of placed pieces around */
-    int32_t touching;           /* the first of them lie within a piece's reach */
-} place;
-
-static const tz_grown *grown(const grower *g, int32_t key)
-{
-    return &g->tile[key >> KEY_BITS].v[key & ((1 << KEY_BITS) - 1)];
-}
-
-/* ---- the place --------------------------------------------------------------------- */
-
-static void add_near(place *pl, int32_t key)
-{
-    for (int32_t k = 0; k < pl->nears; k++)
-        if (pl->near[k] == key)
-            return;
-    if (pl->nears < NEAR)
-        pl->near[pl->nears++] = key;
-}
-
-static void collect(const grower *g, tz_vec2 mid, double radius, int32_t stride, overlap *o)
-{
-    const tz_canvas *c = &g->canvas;
-    o->n = 0;
-    const int32_t ci = (int32_t)floor(mid.x / TZ_CELL), cj = (int32_t)floor(mid.y / TZ_CELL);
-    const int32_t r = (int32_t)(radius / TZ_CELL);
-    for (int32_t j = cj - r; j <= cj + r; j += stride)
-        for (int32_t i = ci - r; i <= ci + r; i += stride) {
-            const int64_t at = tz_canvas_at(c, i, j);
-            if (at < 0 || c->label[at] < 0 || o->n >= POINTS)
-                continue;
-            if ((i - ci) * (i - ci) + (j - cj) * (j - cj) > r * r)
-                continue;
-            o->x[o->n] = ((float)i + 0.5F) * TZ_CELL;
-            o->y[o->n] = ((float)j + 0.5F) * TZ_CELL;
-            o->f[o->n++] = c->feature[at];
-        }
-}
-
-static void look_around(const grower *g, tz_vec2 v, tz_rng *rng, place *pl)
-{
-    const tz_canvas *c = &g->canvas;
-    const double piece = g->piece;
-    pl->at = v;
-    pl->nears = 0;
-    const int32_t w = c->nx * TZ_CELL, h = c->ny * TZ_CELL;
-    pl->rule_index = tz_rules_at(g->rules, g->p.size[0], g->p.size[1], v, tz_rng_unit(rng));
-    pl->rule = &g->rules->rule.v[pl->rule_index];
-    (void)w, (void)h;
-    const int32_t ci = (int32_t)floor(v.x / TZ_CELL), cj = (int32_t)floor(v.y / TZ_CELL);
-    const int32_t r = (int32_t)(0.75 * piece / TZ_CELL) + 1;
-    double sx = 0, sy = 0, n = 0;
-    for (int32_t j = -r; j <= r; j += 2)
-        for (int32_t i = -r; i <= r; i += 2) {
-            const int64_t at = tz_canvas_at(c, ci + i, cj + j);
-            if (at < 0)
-                continue;
-            if (c->label[at] < 0)
-                sx += i, sy += j, n++;
-            else if (i * i + j * j <= r * r)
-                add_near(pl, c->label[at]);
-        }
-    pl->touching = pl->nears;
-    pl->towards = n > 0 ? (tz_vec2){sx / n * TZ_CELL, sy / n * TZ_CELL} : (tz_vec2){0, 0};
-    const int32_t far = (int32_t)(2.2 * piece / TZ_CELL), step = far / 7 > 0 ? far / 7 : 1;
-    for (int32_t j = -far; j <= far / 2; j += step)
-        for (int32_t i = -far; i <= far; i += step) {
-            const int64_t at = tz_canvas_at(c, ci + i, cj + j);
-            if (at >= 0 && c->label[at] >= 0)
-                add_near(pl, c->label[at]);
-        }
-    const tz_vec2 mid = tz_vec2_add(v, tz_vec2_scale(pl->towards, 0.6));
-    /* about 100 and 300 points, filled or not, whatever the piece */
-    const double cells = 0.75 * piece / TZ_CELL;
-    collect(g, mid, 0.75 * piece, (int32_t)fmax(1, cells / 6), &pl->coarse);
-    collect(g, mid, 0.8 * piece, (int32_t)fmax(1, cells / 11), &pl->dense);
-}
-
-/* ---- candidates ---------------------------------------------------------------------- */
-
-static bool star_allowed(const grower *g, const tz_rule *r, const tz_star *s)
-{
-    if (r->source >= 0 && r->source != s->exemplar)
-        return false;
-    if (s->size < r->size[0] || s->size > r->size[1])
-        return false;
-    const tz_ebpt *e = g->ex[s->exemplar].ebpt;
-    const tz_edge_group *eg = &e->group.v[s->group];
-    if (r->groups.n) {
-        bool found = false;
-        for (int32_t k = 0; k < r->groups.n; k++)
-            found |= r->groups.v[k] == s->group;
-        if (!found)
-            return false;
-    }
-    if (r->length_bins == ~0U && r->angle_bins == ~0U)
-        return true;
-    if ((r->length_bins >> eg->length_bin & 1) && (r->angle_bins >> eg->angle_bin & 1))
-        return true;
-    for (int32_t k = eg->edge; k < eg->edge + eg->edges; k++) {
-        const tz_edge *d = &e->edge.v[e->group_edge.v[k]];
-        if ((r->length_bins >> d->length_bin & 1) && (r->angle_bins >> d->angle_bin & 1))
-            return true;
-    }
-    return false;
-}
-
-/* Smallest distance of two points on the domain. */
-static double apart(const grower *g, tz_vec2 a, tz_vec2 b)
-{
-    const tz_domain d = {{g->p.size[0], g->p.size[1], 0}, g->p.tile};
-    const tz_vec3 v =
-        tz_domain_vector(&d, (tz_vec3){a.x, a.y, 0}, (tz_vec3){b.x, b.y, 0});
-    return sqrt(v.x * v.x + v.y * v.y);
-}
-
-/* Mean feature distance over the overlap points that the star covers. Gives up, and returns
- * more than `limit`, once the first half of the points is clearly worse than that. */
-static double compare(const grower *g, const overlap *o, const candidate *c, double limit)
-{
-    const tz_star *s = &g->stars.star.v[c->star];
-    const tz_feature_map *f = &g->map[s->exemplar];
-    tz_affine inv;
-    if (!tz_affine_invert(c->map, &inv))
-        return INFINITY;
-    const float a = (float)inv.a, b = (float)inv.b, cc = (float)inv.c, d = (float)inv.d;
-    const float ex = (float)(inv.a * c->centre.x + inv.c * c->centre.y + inv.e);
-    const float ey = (float)(inv.b * c->centre.x + inv.d * c->centre.y + inv.f);
-    const float ox = (float)c->centre.x, oy = (float)c->centre.y;
-    const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
-    const float wmax = (float)f->width, hmax = (float)f->height;
-    const uint8_t flip = tz_map_flip(c->map);
-    /* first where all points fall (this loop has no branch and is vectorised), then the
-     * features of those that hit the star and the photo */
-    float column[POINTS], row[POINTS];
-    int32_t hit[POINTS];
-    for (int32_t k = 0; k < o->n; k++) {
-        const float dx = o->x[k] - ox, dy = o->y[k] - oy;
-        const float ux = a * dx + cc * dy, uy = b * dx + d * dy;
-        const float px = ux + ex, py = uy + ey;
-        column[k] = px, row[k] = py;
-        hit[k] = (ux * ux + uy * uy <= r2) & (px >= 0) & (py >= 0) & (px < wmax) & (py < hmax);
-    }
-    int32_t sum = 0, n = 0;
-    for (int32_t half = 0; half < 2; half++) {
-        for (int32_t k = half; k < o->n; k += 2)
-            if (hit[k]) {
-                const tz_feature q =
-                    f->v[(int64_t)(int32_t)row[k] * f->width + (int32_t)column[k]];
-                sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
-                n++;
-            }
-        if (half == 0 && sum > 1.25 * limit * n)
-            break;
-    }
-    return n ? (double)sum / n : 0;
-}
-
-/* A group seen again too near to itself. */
-static double repetition(const grower *g, const place *pl, const candidate *c)
-{
-    const tz_star *s = &g->stars.star.v[c->star];
-    const double range = 2.5 * g->piece;
-    double cost = 0;
-    for (int32_t k = 0; k < pl->nears; k++) {
-        const tz_grown *q = grown(g, pl->near[k]);
-        const tz_star *t = &g->stars.star.v[q->star];
-        if (t->exemplar != s->exemplar)
-            continue;
-        const double d = apart(g, q->centre, c->centre);
-        if (d >= range)
-            continue;
-        /* the same source pixels, shown by another map */
-        const double same = tz_vec2_length(tz_vec2_sub(t->centre, s->centre));
-        if (same > g->piece)
-            continue;
-        const double drift = tz_vec2_length(
-            tz_vec2_sub(tz_affine_apply(q->map, s->centre), tz_affine_apply(c->map, s->centre)));
-        if (drift < 3)
-            continue; /* runs on */
-        cost += 500 * (1 - same / g->piece) * (1 - 0.6 * d / range);
-    }
-    return cost;
-}
-
-/* Score that a candidate must beat to be kept. */
-static double bar(const candidate best[BEST], int32_t n)
-{
-    return n < BEST ? INFINITY : best[BEST - 1].score;
-}
-
-static void keep(candidate best[BEST], int32_t *n, candidate c)
-{
-    int32_t at = *n;
-    if (at == BEST) {
-        if (c.score >= best[BEST - 1].score)
-            return;
-        at--;
-    } else {
-        (*n)++;
-    }
-    while (at > 0 && best[at - 1].score > c.score)
-        best[at] = best[at - 1], at--;
-    best[at] = c;
-}
-
-/* Map that lays the star's centre on `at`, with a drawn turn, scale, stretch and mirror. A
- * stretch of a few per cent is not seen, but makes that no two copies are alike. */
-static tz_affine draw_map(const grower *g, const place *pl, const tz_star *star, tz_vec2 at,
-                          tz_rng *rng)
-{
-    const int32_t exemplar = star->exemplar;
-    double angle, scale;
-    bool mirror;
-    const tz_rule *r = pl->rule;
-    const tz_freedom *f = &g->freedom[exemplar];
-    const double u = tz_rng_unit(rng), w = tz_rng_unit(rng), m = tz_rng_unit(rng);
-    const double v = tz_rng_unit(rng);
-    mirror = false;
-    if (!isnan(r->rotation[0]))
-        angle = r->rotation[0] + u * (r->rotation[1] - r->rotation[0]);
-    else if (!g->p.rotate_auto)
-        angle = (g->p.rotation[0] + u * (g->p.rotation[1] - g->p.rotation[0])) * TZ_PI / 180;
-    else
-        angle = (2 * u - 1) * f->rotation;
-    if (r->field >= 0)
-        angle += tz_rules_field(g->rules, pl->rule_index, g->p.size[0], g->p.size[1], at);
-    const double *range = isnan(r->scale[0]) ? g->p.scale : r->scale;
-    scale = range[0] * pow(range[1] / range[0], w);
-    if (g->p.mirror == 2 || (g->p.mirror == 0 && f->mirror_x))
-        mirror = m < 0.5;
-    if (g->p.mirror == 0 && f->mirror_y && !f->mirror_x && m < 0.5) {
-        mirror = true; /* a mirrored copy turned half round is upside down */
-        angle += TZ_PI;
-    }
-    const double stretch = pow(range[1] / range[0], 0.6 * (v - 0.5));
-    const tz_affine squash = {stretch, 0, 0, 1 / stretch, star->centre.x * (1 - stretch),
-                              star->centre.y * (1 - 1 / stretch)};
-    return tz_affine_then(squash, tz_affine_place(star->centre, at, angle, scale, mirror));
-}
-
-static bool covers(const tz_star *s, const candidate *c, tz_vec2 v, double share)
-{
-    tz_affine inv;
-    if (!tz_affine_invert(c->map, &inv))
-        return false;
-    const tz_vec2 p = tz_vec2_sub(tz_affine_apply(inv, v), s->centre);
-    double a = atan2(p.y, p.x) / (2 * TZ_PI);
-    a -= floor(a);
-    const int ray = (int)(a * TZ_RAYS + 0.5) % TZ_RAYS;
-    return tz_vec2_length(p) <= share * s->limit[ray];
-}
-
-/* Lays star `id` towards the void with the given jitter and judges it. */
-static void try_star(const grower *g, const place *pl, int32_t id, tz_rng *rng, candidate best[],
-                     int32_t *n)
-{
-    const tz_star *s = &g->stars.star.v[id];
-    const double u = tz_rng_unit(rng), w = tz_rng_unit(rng);
-    const double length = tz_vec2_length(pl->towards) + 1e-9;
-    const double r = s->mean_radius;
-    const double off = fmin(length, (0.35 + 0.4 * u) * r);
-    const double side = (w - 0.5) * 0.8 * r;
-    tz_vec2 c = tz_vec2_add(pl->at, tz_vec2_scale(pl->towards, off / length));
-    c.x -= pl->towards.y / length * side, c.y += pl->towards.x / length * side;
-    candidate k = {id, false, draw_map(g, pl, s, c, rng), c, 0};
-    if (!covers(s, &k, pl->at, 0.85))
-        return;
-    k.score = pl->rule->structure == TZ_STRUCTURE_RANDOM ? 1000 * tz_rng_unit(rng)
-                                                         : compare(g, &pl->coarse, &k, bar(best, *n));
-    if (k.score >= bar(best, *n))
-        return;
-    k.score += repetition(g, pl, &k);
-    keep(best, n, k);
-}
-
-/* Groups that run on from a placed neighbour, and groups that look like them. */
-static void try_neighbours(const grower *g, const place *pl, tz_rng *rng, candidate best[],
-                           int32_t *n)
-{
-    for (int32_t k = 0; k < pl->touching; k++) {
-        const tz_grown *q = grown(g, pl->near[k]);
-        const tz_star *t = &g->stars.star.v[q->star];
-        const tz_ebpt *e = g->ex[t->exemplar].ebpt;
-        if (e->neighbour_first.n <= t->group + 1)
-            continue;
-        for (int32_t j = e->neighbour_first.v[t->group]; j < e->neighbour_first.v[t->group + 1];
-             j++) {
-            const int32_t id = g->stars.of_group[t->exemplar][e->neighbour.v[j]];
-            if (id < 0)
-                continue;
-            const tz_star *s = &g->stars.star.v[id];
-            candidate c = {id, true, q->map, tz_affine_apply(q->map, s->centre), 0};
-            const double u = tz_rng_unit(rng);
-            if (!covers(s, &c, pl->at, 0.85))
-                continue;
-            if (u < g->p.coherence && star_allowed(g, pl->rule, s) && pl->rule->field < 0) {
-                c.score = compare(g, &pl->coarse, &c, INFINITY) + repetition(g, pl, &c);
-                keep(best, n, c);
-            }
-            for (int m = 0; m < TZ_SIMILAR && s->similar[m] >= 0; m++) {
-                const tz_star *z = &g->stars.star.v[s->similar[m]];
-                if (!star_allowed(g, pl->rule, z))
-                    continue;
-                candidate d = {s->similar[m], false, draw_map(g, pl, z, c.centre, rng),
-                               c.centre, 0};
-                if (!covers(z, &d, pl->at, 0.85))
-                    continue;
-                d.score = compare(g, &pl->coarse, &d, bar(best, *n));
-                if (d.score >= bar(best, *n))
-                    continue;
-                d.score += repetition(g, pl, &d);
-                keep(best, n, d);
-            }
-        }
-    }
-}
-
-static candidate moved(candidate c, double dx, double dy)
-{
-    c.map.e += dx, c.map.f += dy;
-    c.centre.x += dx, c.centre.y += dy;
-    return c;
-}
-
-/* Shifts a candidate downhill: by 8 and 4 px on the coarse points, by 2 and 1 on all. */
-static void refine(const grower *g, const place *pl, candidate *c)
-{
-    static const int8_t dir[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-    const overlap *o = &pl->coarse;
-    double here = compare(g, o, c, INFINITY);
-    for (int step = 8; step >= 1; step /= 2) {
-        if (step == 2) {
-            o = &pl->dense;
-            here = compare(g, o, c, INFINITY);
-        }
-        for (int turn = 0; turn < 2; turn++) {
-            int way = -1;
-            for (int k = 0; k < 4; k++) {
-                const candidate d = moved(*c, step * dir[k][0], step * dir[k][1]);
-                if (!covers(&g->stars.star.v[d.star], &d, pl->at, 0.85))
-                    continue;
-                const double there = compare(g, o, &d, here);
-                if (there < here)
-                    here = there, way = k;
-            }
-            if (way < 0)
-                break;
-            *c = moved(*c, step * dir[way][0], step * dir[way][1]);
-        }
-    }
-    c->score = here;
-}
-
-/* ---- growing ------------------------------------------------------------------------- */
-
-static bool inside(const tz_star *s, const tz_grown *q, const float radius[TZ_RAYS], tz_vec2 v)
-{
-    const tz_vec2 p = tz_vec2_sub(tz_affine_apply(q->inv, v), s->centre);
-    double a = atan2(p.y, p.x) / (2 * TZ_PI);
-    a -= floor(a);
-    const int i = (int)(a * TZ_RAYS) % TZ_RAYS, j = (i + 1) % TZ_RAYS;
-    return tz_vec2_length(p) < fmin(radius[i], radius[j]) * 0.98;
-}
-
-/* Feature that a layout point shows, through the piece that owns its cell. */
-static bool shown(const void *user, double x, double y, tz_feature *f)
-{
-    const grower *g = user;
-    const int64_t at = tz_canvas_at(&g->canvas, tz_cell(x), tz_cell(y));
-    if (at < 0 || g->canvas.label[at] < 0)
-        return false;
-    const tz_grown *q = grown(g, g->canvas.label[at]);
-    if (g->p.tile) { /* over the nearest copy */
-        x -= floor((x - q->centre.x) / g->p.size[0] + 0.5) * g->p.size[0];
-        y -= floor((y - q->centre.y) / g->p.size[1] + 0.5) * g->p.size[1];
-    }
-    const tz_vec2 p = tz_affine_apply(q->inv, (tz_vec2){x, y});
-    *f = tz_feature_mirror(tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y),
-                           tz_map_flip(q->map));
-    return true;
-}
-
-static tz_grown choose(const grower *g, const place *pl, tz_rng *rng)
-{
-    candidate best[BEST];
-    int32_t n = 0;
-    const int32_t stars = g->stars.first[g->n];
-    const bool structured = pl->rule->structure != TZ_STRUCTURE_RANDOM;
-    if (structured)
-        try_neighbours(g, pl, rng, best, &n);
-    const int32_t tries = 100 * g->p.effort;
-    for (int32_t k = 0; k < tries; k++) {
-        const int32_t id = tz_rng_below(rng, stars);
-        if (star_allowed(g, pl->rule, &g->stars.star.v[id]))
-            try_star(g, pl, id, rng, best, &n);
-    }
-    tz_grown won = {.star = -1};
-    float radius[TZ_RAYS], best_radius[TZ_RAYS];
-    double least = INFINITY;
-    const int32_t most = structured ? 3 + g->p.effort : 2; /* refined, seam and all */
-    const int32_t judged = n < most ? n : most;
-    for (int32_t k = 0; k < judged; k++) {
-        candidate c = best[k];
-        if (pl->coarse.n && structured && !c.coherent)
-            refine(g, pl, &c);
-        const double other = 0.5 * c.score + repetition(g, pl, &c);
-        if (other >= least)
-            continue;
-        const tz_star *s = &g->stars.star.v[c.star];
-        tz_grown q = {.star = c.star, .map = c.map, .centre = c.centre};
-        if (!tz_affine_invert(q.map, &q.inv))
-            continue;
-        const double seam =
-            tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, radius);
-        if (!inside(s, &q, radius, pl->at))
-            continue;
-        const double score = seam + other;
-        if (score < least) {
-            least = score, won = q;
-            memcpy(best_radius, radius, sizeof radius);
-        }
-    }
-    if (won.star >= 0) {
-        const tz_star *s = &g->stars.star.v[won.star];
-        tz_seam_refine(g, shown, &g->map[s->exemplar], s, won.map, best_radius, won.border);
-        return won;
-    }
-    /* nothing fits: the first allowed star (or any) right on the place */
-    int32_t id = tz_rng_below(rng, stars);
-    for (int32_t k = 0; k < stars && !star_allowed(g, pl->rule, &g->stars.star.v[id]); k++)
-        id = (id + 1) % stars;
-    const tz_star *s = &g->stars.star.v[id];
-    won = (tz_grown){.star = id, .centre = pl->at};
-    won.map = tz_affine_place(s->centre, pl->at, 0, 1, false);
-    tz_affine_invert(won.map, &won.inv);
-    for (int k = 0; k < TZ_BORDER; k++)
-        won.border[k] = fmaxf(s->radius[k * TZ_RAYS / TZ_BORDER], 6);
-    return won;
-}
-
-static tz_status grow_tile(tz_ctx *ctx, grower *g, int32_t strip, int32_t tile)
-{
-    const int32_t index = strip * g->tiles + tile;
-    grown_list *list = &g->tile[index];
-    tz_canvas *c = &g->canvas;
-    const int32_t i0 = tile * g->span, j0 = strip * g->strip;
-    const int32_t i1 = i0 + g->span < c->nx ? i0 + g->span : c->nx;
-    const int32_t j1 = j0 + g->strip < c->ny ? j0 + g->strip : c->ny;
-    for (int32_t j = j0; j < j1; j++)
-        for (int32_t i = i0; i < i1; i++) {
-            if (c->label[tz_canvas_at(c, i, j)] >= 0)
-                continue;
-            if (list->n >= 1 << KEY_BITS)
-                return tz_fail(ctx, TZ_LIMIT, "arrange: pieces are too small; raise --piece");
-            tz_rng rng = tz_rng_make(g->p.seed, tz_rng_stream(1, (uint64_t)index, (uint64_t)list->n));
-            place pl;
-            look_around(g, (tz_vec2){(i + 0.5) * TZ_CELL, (j + 0.5) * TZ_CELL}, &rng, &pl);
-            const tz_grown q = choose(g, &pl, &rng);
-            const tz_star *s = &g->stars.star.v[q.star];
-            tz_status st = tz_array_push(ctx, list, q);
-            if (st != TZ_OK)
-                return st;
-            const int32_t key = (index << KEY_BITS) | (list->n - 1);
-            double border[2 * TZ_BORDER], scratch[TZ_BORDER];
-            tz_grown_border(s, &q, border);
-            tz_canvas_draw(c, &g->map[s->exemplar], q.map, q.inv, border, TZ_BORDER, scratch,
-                           key);
-            const int64_t at = tz_canvas_at(c, i, j);
-            if (c->label[at] < 0) { /* a cell that the border just misses */
-                c->label[at] = key;
-                c->feature[at] = tz_feature_at(&g->map[s->exemplar], s->centre.x, s->centre.y);
-            }
-        }
-    return TZ_OK;
-}
-
-static tz_status grow_strip(tz_ctx *ctx, void *arg, int64_t strip, int worker)
-{
-    (void)worker;
-    grower *g = arg;
-    tz_canvas *c = &g->canvas;
-    const int32_t reach = 2 * g->strip + (int32_t)(3 * g->stars.reach / TZ_CELL);
-    /* rows that come into reach and still hold what lies a ring above */
-    if (c->ring < c->ny)
-        for (int32_t j = (int32_t)strip * g->strip + reach;
-             j < ((int32_t)strip + 1) * g->strip + reach; j++)
-            if (j >= c->ring)
-                memset(c->label + (int64_t)(j % c->ring) * c->nx, 0xff,
-                       (size_t)c->nx * sizeof *c->label);
-    tz_status s = TZ_OK;
-    for (int32_t t = 0; t < g->tiles && s == TZ_OK; t++) {
-        /* on a torus the tiles of a strip meet round the back: strip after strip */
-        const int32_t need = g->p.tile || t + 2 > g->tiles ? g->tiles : t + 2;
-        while (strip > 0 && atomic_load(&g->progress[strip - 1]) < need) {
-            if (atomic_load(&g->stop) || tz_ctx_cancelled(ctx))
-                return TZ_CANCELLED;
-            sched_yield();
-        }
-        s = grow_tile(ctx, g, (int32_t)strip, t);
-        if (s == TZ_OK && tz_ctx_cancelled(ctx))
-            s = TZ_CANCELLED;
-        atomic_store(&g->progress[strip], t + 1);
-        tz_progress_add(ctx, (int64_t)g->span * g->strip * TZ_CELL * TZ_CELL);
-    }
-    if (s != TZ_OK)
-        atomic_store(&g->stop, true);
-    return s;
-}
-
-/* ---- fixed placements ------------------------------------------------------------------ */
-
-/* Star that stands for a placement set by hand: its group's, or one made for it. */
-static tz_status star_for(tz_ctx *ctx, grower *g, const tz_layout *l, const tz_placement *p,
-                          int32_t *id)
-{
-    const tz_ebpt *e = g->ex[p->source].ebpt;
-    *id = p->group >= 0 && p->group < e->group.n ? g->stars.of_group[p->source][p->group] : -1;
-    if (*id >= 0)
-        return TZ_OK;
-    tz_star s = {.exemplar = p->source, .group = 0};
-    for (int k = 0; k < TZ_SIMILAR; k++)
-        s.similar[k] = -1;
-    for (int32_t k = p->border; k < p->border + p->points; k++) {
-        s.centre.x += l->border.v[k].x / p->points;
-        s.centre.y += l->border.v[k].y / p->points;
-    }
-    *id = g->stars.star.n;
-    return tz_array_push(ctx, &g->stars.star, s);
-}
-
-static tz_status draw_fixed(tz_ctx *ctx, grower *g, const tz_layout *l)
-{
-    const int32_t last = g->strips * g->tiles;
-    grown_list *list = &g->tile[last];
-    double *border = NULL;
-    tz_status s = TZ_OK;
-    g->canvas.fixed = last << KEY_BITS;
-    for (int32_t k = 0; k < l->place.n && s == TZ_OK; k++) {
-        const tz_placement *p = &l->place.v[k];
-        if (!p->fixed || p->removed)
-            continue;
-        if (list->n >= 1 << KEY_BITS)
-            return tz_fail(ctx, TZ_LIMIT, "layout: more than %d fixed placements",
-                           1 << KEY_BITS);
-        tz_grown q = {.map = p->map};
-        if (!tz_affine_invert(p->map, &q.inv))
-            return tz_fail(ctx, TZ_INVALID, "layout: placement %d has a map without inverse",
-                           (int)k);
-        s = star_for(ctx, g, l, p, &q.star);
-        if (s == TZ_OK)
-            s = tz_array_push(ctx, list, q);
-        if (s == TZ_OK)
-            s = tz_alloc(ctx, &border, 3 * (size_t)p->points, sizeof *border);
-        if (s != TZ_OK)
-            break;
-        tz_vec2 mid = {0, 0};
-        for (int32_t i = 0; i < p->points; i++) {
-            const tz_point b = l->border.v[p->border + i];
-            const tz_vec2 v = tz_affine_apply(p->map, (tz_vec2){b.x, b.y});
-            border[2 * i] = v.x, border[2 * i + 1] = v.y;
-            mid.x += v.x / p->points, mid.y += v.y / p->points;
-        }
-        list->v[list->n - 1].centre = mid;
-        tz_canvas_draw(&g->canvas, &g->map[p->source], q.map, q.inv, border, p->points,
-                       border + 2 * (size_t)p->points,
-                       (last << KEY_BITS) | (list->n - 1));
-        tz_free(ctx, border);
-        border = NULL;
-    }
-    return s;
-}
+    "arrange", "Arrangement of edge groups over a domain", rows,
+    sizeof rows / sizeof rows[0], sizeof(tz_arrange_params)};
 
 static bool has_fixed(const tz_layout *l)
 {
@@ -672,9 +51,7 @@ static bool has_fixed(const tz_layout *l)
     return false;
 }
 
-/* ---- driver -------------------------------------------------------------------------- */
-
-static tz_status write_layout(const grower *g, const tz_layout *old, tz_layout *l)
+static tz_status write_layout(const tz_grower *g, const tz_layout *old, tz_layout *l)
 {
     tz_status s = TZ_OK;
     for (int32_t k = 0; k < g->n && s == TZ_OK; k++) {
@@ -689,11 +66,13 @@ static tz_status write_layout(const grower *g, const tz_layout *old, tz_layout *
             tz_point border[TZ_BORDER];
             for (int ray = 0; ray < TZ_BORDER; ray++) {
                 const tz_vec2 dir = tz_ray(ray, TZ_BORDER);
-                border[ray] = (tz_point){(float)(star->centre.x + q->border[ray] * dir.x),
-                                         (float)(star->centre.y + q->border[ray] * dir.y)};
+                border[ray] =
+                    (tz_point){(float)(star->centre.x + q->border[ray] * dir.x),
+                               (float)(star->centre.y + q->border[ray] * dir.y)};
             }
             int32_t id;
-            s = tz_layout_add(l, star->exemplar, star->group, q->map, border, TZ_BORDER, &id);
+            s = tz_layout_add(l, star->exemplar, star->group, q->map, border, TZ_BORDER,
+                              &id);
         }
     /* what the artist has set lies on top */
     for (int32_t k = 0; k < old->place.n && s == TZ_OK; k++) {
@@ -701,8 +80,8 @@ static tz_status write_layout(const grower *g, const tz_layout *old, tz_layout *
         int32_t id;
         if (!p->fixed || p->removed)
             continue;
-        s = tz_layout_add(l, p->source, p->group, p->map, old->border.v + p->border, p->points,
-                          &id);
+        s = tz_layout_add(l, p->source, p->group, p->map, old->border.v + p->border,
+                          p->points, &id);
         if (s == TZ_OK)
             l->place.v[id].fixed = 1, l->place.v[id].medium = p->medium;
     }
@@ -712,23 +91,27 @@ static tz_status write_layout(const grower *g, const tz_layout *old, tz_layout *
 static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_layout *l,
                        const tz_arrange_params *p)
 {
-    if (l->place.n && (l->width != p->size[0] || l->height != p->size[1] || l->tile != p->tile ||
-                       l->source.n != n))
-        return tz_fail(ctx, TZ_INVALID,
-                       "arrange: the layout to go on from is %d x %d px with %d sources, not "
-                       "%d x %d with %d",
-                       (int)l->width, (int)l->height, (int)l->source.n, (int)p->size[0],
-                       (int)p->size[1], (int)n);
+    if (l->place.n && (l->width != p->size[0] || l->height != p->size[1] ||
+                       l->tile != p->tile || l->source.n != n))
+        return tz_fail(
+            ctx, TZ_INVALID,
+            "arrange: the layout to go on from is %d x %d px with %d sources, not "
+            "%d x %d with %d",
+            (int)l->width, (int)l->height, (int)l->source.n, (int)p->size[0],
+            (int)p->size[1], (int)n);
     if (n < 1 || n > 64)
-        return tz_fail(ctx, TZ_INVALID, "arrange: 1 to 64 exemplars are needed, not %d", (int)n);
+        return tz_fail(ctx, TZ_INVALID, "arrange: 1 to 64 exemplars are needed, not %d",
+                       (int)n);
     for (int32_t k = 0; k < n; k++)
-        if (ex[k].photo->width != ex[k].ebpt->width || ex[k].photo->height != ex[k].ebpt->height)
-            return tz_fail(ctx, TZ_INVALID,
-                           "%s: the photo is %d x %d px but its exemplar was made for %d x %d; "
-                           "analyze it again",
-                           ex[k].path ? ex[k].path : "photo", (int)ex[k].photo->width,
-                           (int)ex[k].photo->height, (int)ex[k].ebpt->width,
-                           (int)ex[k].ebpt->height);
+        if (ex[k].photo->width != ex[k].ebpt->width ||
+            ex[k].photo->height != ex[k].ebpt->height)
+            return tz_fail(
+                ctx, TZ_INVALID,
+                "%s: the photo is %d x %d px but its exemplar was made for %d x %d; "
+                "analyze it again",
+                ex[k].path ? ex[k].path : "photo", (int)ex[k].photo->width,
+                (int)ex[k].photo->height, (int)ex[k].ebpt->width,
+                (int)ex[k].ebpt->height);
     return TZ_OK;
 }
 
@@ -738,8 +121,9 @@ static double piece_size(const tz_exemplar *ex, int32_t n, double wanted)
         return fmax(wanted, 16);
     double sum = 0;
     for (int32_t k = 0; k < n; k++) {
-        const double shorter =
-            ex[k].ebpt->width < ex[k].ebpt->height ? ex[k].ebpt->width : ex[k].ebpt->height;
+        const double shorter = ex[k].ebpt->width < ex[k].ebpt->height
+                                   ? ex[k].ebpt->width
+                                   : ex[k].ebpt->height;
         sum += fmin(fmax(2.5 * ex[k].ebpt->scale, 104), fmax(shorter / 2.6, 16));
     }
     return sum / n;
@@ -748,7 +132,7 @@ static double piece_size(const tz_exemplar *ex, int32_t n, double wanted)
 tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rules *rules,
                      const tz_arrange_params *params, tz_layout *l)
 {
-    grower g = {.ex = ex, .n = n, .rules = rules, .p = *params};
+    tz_grower g = {.ex = ex, .n = n, .rules = rules, .p = *params};
     tz_rules own = {0};
     tz_layout made = {0};
     tz_status s = check(ctx, ex, n, l, params);
@@ -779,12 +163,14 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     g.span = (int32_t)((2.2 * g.piece + 2.2 * g.stars.reach + 16) / TZ_CELL);
     g.strips = (c->ny + g.strip - 1) / g.strip;
     g.tiles = (c->nx + g.span - 1) / g.span;
-    if ((int64_t)g.strips * g.tiles >= INT32_MAX >> KEY_BITS) {
-        s = tz_fail(ctx, TZ_LIMIT, "arrange: pieces of %.0f px are too small for %d x %d px",
-                    g.piece, (int)params->size[0], (int)params->size[1]);
+    if ((int64_t)g.strips * g.tiles >= INT32_MAX >> TZ_KEY_BITS) {
+        s = tz_fail(ctx, TZ_LIMIT,
+                    "arrange: pieces of %.0f px are too small for %d x %d px", g.piece,
+                    (int)params->size[0], (int)params->size[1]);
         goto done;
     }
-    c->ring = (tz_ctx_threads(ctx) + 10) * g.strip + (int32_t)(6 * g.stars.reach / TZ_CELL);
+    c->ring =
+        (tz_ctx_threads(ctx) + 10) * g.strip + (int32_t)(6 * g.stars.reach / TZ_CELL);
     if (c->ring > c->ny || params->tile || has_fixed(l))
         c->ring = c->ny;
     const size_t cells = (size_t)c->nx * (size_t)c->ring;
@@ -792,7 +178,8 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     if (s == TZ_OK)
         s = tz_alloc(ctx, &c->label, cells, sizeof *c->label);
     if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &g.tile, (size_t)g.strips * (size_t)g.tiles + 1, sizeof *g.tile);
+        s = tz_alloc_zero(ctx, &g.tile, (size_t)g.strips * (size_t)g.tiles + 1,
+                          sizeof *g.tile);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &g.progress, (size_t)g.strips, sizeof *g.progress);
     if (s != TZ_OK)
@@ -800,13 +187,11 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     memset(c->label, 0xff, cells * sizeof *c->label);
     c->fixed = INT32_MAX;
     if (has_fixed(l)) {
-        s = draw_fixed(ctx, &g, l);
+        s = tz_grower_draw_fixed(ctx, &g, l);
         if (s != TZ_OK)
             goto done;
     }
-    tz_progress_begin(ctx, "arrange", "px", (int64_t)params->size[0] * params->size[1]);
-    s = tz_parallel_for(ctx, g.strips, grow_strip, &g);
-    tz_progress_end(ctx);
+    s = tz_grower_run(ctx, &g);
     if (s != TZ_OK)
         goto done;
     s = tz_layout_init(ctx, &made, params->size[0], params->size[1], params->tile);

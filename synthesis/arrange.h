@@ -12,16 +12,16 @@
 
 /** Table: tz_arrange_param_table. */
 typedef struct tz_arrange_params {
-    int32_t size[2];       /**< layout px */
+    int32_t size[2]; /**< layout px */
     uint64_t seed;
-    bool tile;             /**< torus */
-    double piece;          /**< wanted diameter of a placed piece, px; 0 = from the scale */
-    bool rotate_auto;      /**< rotation range from the exemplar's own isotropy */
-    double rotation[2];    /**< deg, used when rotate_auto is off */
-    double scale[2];       /**< factor range */
-    int32_t mirror;        /**< 0 auto, 1 never, 2 always allowed */
-    double coherence;      /**< 0..1: how much running on with the exemplar is liked */
-    int32_t effort;        /**< 1..9: candidates tried per placement */
+    bool tile;          /**< torus */
+    double piece;       /**< wanted diameter of a placed piece, px; 0 = from the scale */
+    bool rotate_auto;   /**< rotation range from the exemplar's own isotropy */
+    double rotation[2]; /**< deg, used when rotate_auto is off */
+    double scale[2];    /**< factor range */
+    int32_t mirror;     /**< 0 auto, 1 never, 2 always allowed */
+    double coherence;   /**< 0..1: how much running on with the exemplar is liked */
+    int32_t effort;     /**< 1..9: candidates tried per placement */
 } tz_arrange_params;
 TZ_API extern const tz_param_table tz_arrange_param_table;
 

@@ -26,7 +26,8 @@ static void cast_rays(const tz_ebpt *e, int32_t group, tz_star *s)
         const double a = 2 * TZ_PI * k / TZ_RAYS, cx = cos(a), cy = sin(a);
         const double longest = g->box.w + g->box.h;
         for (double r = 0; r < longest; r += 1) {
-            const int32_t x = (int32_t)(s->centre.x + r * cx), y = (int32_t)(s->centre.y + r * cy);
+            const int32_t x = (int32_t)(s->centre.x + r * cx),
+                          y = (int32_t)(s->centre.y + r * cy);
             if (x < g->box.x || y < g->box.y || x >= g->box.x + g->box.w ||
                 y >= g->box.y + g->box.h)
                 break;
@@ -36,7 +37,9 @@ static void cast_rays(const tz_ebpt *e, int32_t group, tz_star *s)
     }
     /* mean of three rays: no spikes */
     for (int k = 0; k < TZ_RAYS; k++)
-        s->radius[k] = (far2[(k + TZ_RAYS - 1) % TZ_RAYS] + 2 * far2[k] + far2[(k + 1) % TZ_RAYS]) / 4;
+        s->radius[k] =
+            (far2[(k + TZ_RAYS - 1) % TZ_RAYS] + 2 * far2[k] + far2[(k + 1) % TZ_RAYS]) /
+            4;
 }
 
 /* Distance from p along direction a to the photo's border, kept half a pixel inside. */
@@ -55,8 +58,8 @@ static double border_distance(const tz_ebpt *e, tz_vec2 p, double a)
     return d > 0 ? d : 0;
 }
 
-static void make_star(const tz_exemplar *ex, int32_t exemplar, int32_t group, double piece,
-                      tz_star *s)
+static void make_star(const tz_exemplar *ex, int32_t exemplar, int32_t group,
+                      double piece, tz_star *s)
 {
     const tz_ebpt *e = ex->ebpt;
     const tz_edge_group *g = &e->group.v[group];
@@ -94,7 +97,9 @@ static void surroundings(const tz_ebpt *e, int32_t group, tz_star *s)
             const tz_edge_group *h = &e->group.v[e->neighbour.v[k]];
             s->neighbour[s->neighbours++] =
                 (tz_neighbour){{h->region_centre.x - c.x, h->region_centre.y - c.y, 0},
-                               h->edges > 1 ? h->angle : NAN, h->size, 0};
+                               h->edges > 1 ? h->angle : NAN,
+                               h->size,
+                               0};
         }
     const tz_edge_group *g = &e->group.v[group];
     for (int32_t k = g->edge; k < g->edge + g->edges; k++) {
@@ -104,7 +109,8 @@ static void surroundings(const tz_ebpt *e, int32_t group, tz_star *s)
             if (dx * dx + dy * dy < 0.5 * g->size * g->size)
                 continue; /* ends inside */
             const double a = fmod(d->end_angle[end] + 2 * TZ_PI, TZ_PI);
-            s->neighbour[s->neighbours++] = (tz_neighbour){{dx, dy, 0}, a, 0.3 * g->size, 1};
+            s->neighbour[s->neighbours++] =
+                (tz_neighbour){{dx, dy, 0}, a, 0.3 * g->size, 1};
         }
     }
 }
@@ -131,8 +137,8 @@ static void find_similar(tz_stars *s, int32_t self, double scale)
     for (int32_t i = 0; i < n; i++) {
         const tz_star *b = &s->star.v[list[i]];
         const double cost =
-            gap[i] * gap[i] + tz_neighbourhood_cost(a->neighbour, a->neighbours, b->neighbour,
-                                                    b->neighbours, &w);
+            gap[i] * gap[i] + tz_neighbourhood_cost(a->neighbour, a->neighbours,
+                                                    b->neighbour, b->neighbours, &w);
         int at = TZ_SIMILAR;
         while (at > 0 && cost < best[at - 1])
             at--;
@@ -267,8 +273,10 @@ tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f)
     (void)ctx;
     const tz_image *im = ex->photo;
     const int32_t w = im->width, h = im->height;
-    const tz_rect half[4] = {{0, 0, w / 2, h}, {w / 2, 0, w - w / 2, h},
-                             {0, 0, w, h / 2}, {0, h / 2, w, h - h / 2}};
+    const tz_rect half[4] = {{0, 0, w / 2, h},
+                             {w / 2, 0, w - w / 2, h},
+                             {0, 0, w, h / 2},
+                             {0, h / 2, w, h - h / 2}};
     double all[BINS], part[4][BINS];
     direction_histogram(im, (tz_rect){0, 0, w, h}, all);
     for (int k = 0; k < 4; k++)

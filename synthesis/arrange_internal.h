@@ -7,6 +7,7 @@
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/rng.h"
@@ -20,14 +21,14 @@
  * channel. Small turns leave all of them as they are; a mirror image changes the sign of
  * TZ_FEATURE_SLANT. */
 enum {
-    TZ_FEATURE_L,      /**< lightness, mean of 3 px */
-    TZ_FEATURE_A,      /**< colour */
+    TZ_FEATURE_L, /**< lightness, mean of 3 px */
+    TZ_FEATURE_A, /**< colour */
     TZ_FEATURE_B,
-    TZ_FEATURE_BUSY,   /**< mean gradient magnitude */
-    TZ_FEATURE_LINE,   /**< lightness against its surroundings of 17 px: joints, cracks */
-    TZ_FEATURE_EDGE,   /**< closeness to an edge of the EBPT */
-    TZ_FEATURE_ALONG,  /**< direction of structure: cos of twice its angle, by strength */
-    TZ_FEATURE_SLANT,  /**< and sin */
+    TZ_FEATURE_BUSY,  /**< mean gradient magnitude */
+    TZ_FEATURE_LINE,  /**< lightness against its surroundings of 17 px: joints, cracks */
+    TZ_FEATURE_EDGE,  /**< closeness to an edge of the EBPT */
+    TZ_FEATURE_ALONG, /**< direction of structure: cos of twice its angle, by strength */
+    TZ_FEATURE_SLANT, /**< and sin */
     TZ_FEATURES
 };
 
@@ -56,11 +57,11 @@ enum { TZ_RAYS = 64, TZ_RINGS = 24, TZ_BORDER = 128, TZ_SIMILAR = 6 };
 /** Edge group made ready for placing: a star about the region's centre. */
 typedef struct tz_star {
     int32_t exemplar, group;
-    tz_vec2 centre;           /**< source px */
-    float radius[TZ_RAYS];    /**< hull of region and edges, at least the piece size */
-    float limit[TZ_RAYS];     /**< farthest that a seam may run */
+    tz_vec2 centre;        /**< source px */
+    float radius[TZ_RAYS]; /**< hull of region and edges, at least the piece size */
+    float limit[TZ_RAYS];  /**< farthest that a seam may run */
     float mean_radius, size;
-    int32_t neighbours;       /**< as the exemplar surrounds it */
+    int32_t neighbours; /**< as the exemplar surrounds it */
     tz_neighbour neighbour[TZ_NEIGHBOURS_MAX];
     int32_t similar[TZ_SIMILAR]; /**< stars with the most similar neighbourhoods, -1 */
 } tz_star;
@@ -72,10 +73,11 @@ typedef struct tz_freedom {
 } tz_freedom;
 
 typedef struct tz_stars {
-    TZ_ARRAY(tz_star) star;
-    int32_t *of_group[64];  /**< per exemplar: group -> star index or -1 */
-    int32_t *first;         /**< exemplar e owns stars first[e] .. first[e + 1] - 1 */
-    double reach;           /**< largest limit, px */
+    TZ_ARRAY(tz_star)
+    star;
+    int32_t *of_group[64]; /**< per exemplar: group -> star index or -1 */
+    int32_t *first;        /**< exemplar e owns stars first[e] .. first[e + 1] - 1 */
+    double reach;          /**< largest limit, px */
 } tz_stars;
 
 tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double piece,
@@ -88,12 +90,12 @@ tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f);
 /** Layout at one cell a TZ_CELL px: features of what is shown, and by which piece. */
 #define TZ_CELL 4
 typedef struct tz_canvas {
-    int32_t nx, ny;      /**< cells of the layout */
-    int32_t ring;        /**< rows held; row j is at j % ring */
+    int32_t nx, ny; /**< cells of the layout */
+    int32_t ring;   /**< rows held; row j is at j % ring */
     bool torus;
     tz_feature *feature;
-    int32_t *label;      /**< piece key, -1 = void */
-    int32_t fixed;       /**< keys from here on belong to fixed placements: never covered */
+    int32_t *label; /**< piece key, -1 = void */
+    int32_t fixed;  /**< keys from here on belong to fixed placements: never covered */
 } tz_canvas;
 
 /** Cell of a coordinate: floor(x / TZ_CELL) for |x| < 2^30. */
@@ -122,7 +124,7 @@ static inline int64_t tz_canvas_at(const tz_canvas *c, int32_t i, int32_t j)
 typedef struct tz_grown {
     int32_t star;
     tz_affine map, inv;
-    tz_vec2 centre;         /**< layout px */
+    tz_vec2 centre;          /**< layout px */
     float border[TZ_BORDER]; /**< radii of its border, source px from the star's centre */
 } tz_grown;
 
@@ -192,10 +194,52 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
 /** Writes a piece into the canvas, except over fixed ones.
  * @param border  n layout points, x and y interleaved, of a simple polygon
  * @param scratch room for n numbers */
-void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map, tz_affine inv,
-                    const double *border, int32_t n, double *scratch, int32_t key);
+void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map,
+                    tz_affine inv, const double *border, int32_t n, double *scratch,
+                    int32_t key);
 
 /** Border of a grown star in layout px, 2 * TZ_BORDER numbers. */
 void tz_grown_border(const tz_star *star, const tz_grown *g, double *border);
+
+/* ---- growing ---------------------------------------------------------------------- */
+
+/** A piece's key: its tile's index << TZ_KEY_BITS | its number in the tile. */
+enum { TZ_KEY_BITS = 12 };
+
+typedef TZ_ARRAY(tz_grown)
+tz_grown_list;
+
+/** State of one arrangement. */
+typedef struct tz_grower {
+    const tz_exemplar *ex;
+    int32_t n;
+    const tz_rules *rules;
+    tz_arrange_params p;
+    double piece;
+    tz_stars stars;
+    tz_feature_map *map;
+    tz_freedom *freedom;
+    tz_canvas canvas;
+    int32_t strip, span; /* cells: height of a strip, width of a tile */
+    int32_t strips, tiles;
+    tz_grown_list *tile;  /* strips * tiles */
+    atomic_int *progress; /* tiles done, per strip */
+    atomic_bool stop;
+} tz_grower;
+
+static inline const tz_grown *tz_grower_piece(const tz_grower *g, int32_t key)
+{
+    return &g->tile[key >> TZ_KEY_BITS].v[key & ((1 << TZ_KEY_BITS) - 1)];
+}
+
+/** Chooses and lays the piece that covers the void layout point v. Reads the canvas around,
+ * changes nothing. `rng` names the place. */
+tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng);
+
+/** Puts the fixed placements of a layout on the canvas. */
+tz_status tz_grower_draw_fixed(tz_ctx *ctx, tz_grower *g, const tz_layout *l);
+
+/** Fills the canvas; pieces come to stand in g->tile. */
+tz_status tz_grower_run(tz_ctx *ctx, tz_grower *g);
 
 #endif

@@ -11,10 +11,10 @@
 #include "synthesis/arrange_internal.h"
 
 enum {
-    LEAST = 10,      /* innermost ring at LEAST / 24 of the limit */
-    VOID_COST = 90,  /* a ring of void left beyond the seam */
-    CORE_COST = 6,   /* a ring of the group's own region cut away */
-    BEND_COST = 10,  /* a ring of difference from ray to ray */
+    LEAST = 10,     /* innermost ring at LEAST / 24 of the limit */
+    VOID_COST = 90, /* a ring of void left beyond the seam */
+    CORE_COST = 6,  /* a ring of the group's own region cut away */
+    BEND_COST = 10, /* a ring of difference from ray to ray */
     BEND = 2
 };
 
@@ -95,7 +95,8 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
             int32_t c = m < 0 ? 0 : m;
             c += VOID_COST * bare;
             if (r < star->radius[ray])
-                c += CORE_COST * (int32_t)((star->radius[ray] - r) * TZ_RINGS / star->limit[ray]);
+                c += CORE_COST *
+                     (int32_t)((star->radius[ray] - r) * TZ_RINGS / star->limit[ray]);
             cost[ray][ring] = c;
             if (m < 0 && at >= 0)
                 bare++;
@@ -165,8 +166,9 @@ void tz_grown_border(const tz_star *star, const tz_grown *g, double *border)
 }
 
 /* Scan-converts the border onto cell centres. */
-void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map, tz_affine inv,
-                    const double *border, int32_t n, double *cross, int32_t key)
+void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map,
+                    tz_affine inv, const double *border, int32_t n, double *cross,
+                    int32_t key)
 {
     double y0 = INFINITY, y1 = -INFINITY;
     const uint8_t flip = tz_map_flip(map);
@@ -192,7 +194,8 @@ void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map, t
             cross[at] = c;
         }
         for (int32_t k = 0; k + 1 < count; k += 2) {
-            double x0 = ceil(cross[k] / TZ_CELL - 0.5), x1 = ceil(cross[k + 1] / TZ_CELL - 0.5);
+            double x0 = ceil(cross[k] / TZ_CELL - 0.5),
+                   x1 = ceil(cross[k + 1] / TZ_CELL - 0.5);
             if (!canvas->torus)
                 x0 = fmax(x0, 0), x1 = fmin(x1, canvas->nx);
             else
@@ -201,8 +204,9 @@ void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map, t
                 const int64_t at = tz_canvas_at(canvas, (int32_t)i, (int32_t)j);
                 if (at < 0 || canvas->label[at] >= canvas->fixed)
                     continue;
-                const tz_vec2 p = tz_affine_apply(
-                    inv, (tz_vec2){((double)i + 0.5) * TZ_CELL, ((double)j + 0.5) * TZ_CELL});
+                const tz_vec2 p =
+                    tz_affine_apply(inv, (tz_vec2){((double)i + 0.5) * TZ_CELL,
+                                                   ((double)j + 0.5) * TZ_CELL});
                 canvas->label[at] = key;
                 canvas->feature[at] = tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip);
             }

@@ -17,9 +17,9 @@ typedef enum tz_clone { TZ_CLONE_SCREENED, TZ_CLONE_NONE, TZ_CLONE_OPENCV } tz_c
 
 /** Table: tz_compose_param_table. */
 typedef struct tz_compose_params {
-    tz_rect crop;       /**< layout px; w = 0: all */
-    int32_t clone;      /**< tz_clone */
-    double decay;       /**< px over which a seam's correction fades */
+    tz_rect crop;  /**< layout px; w = 0: all */
+    int32_t clone; /**< tz_clone */
+    double decay;  /**< px over which a seam's correction fades */
 } tz_compose_params;
 TZ_API extern const tz_param_table tz_compose_param_table;
 

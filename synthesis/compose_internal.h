@@ -14,21 +14,22 @@ typedef float tz_f4 __attribute__((vector_size(16)));
 /** A photo made ready for sampling. Single-channel photos are stored plainly (lanes = 0),
  * others padded to whole lanes. `texel` has a mirrored frame of TZ_SOURCE_PAD px. */
 typedef struct tz_source_plane {
-    float *texel;        /**< original values, with frame */
-    float *spline;       /**< cubic B-spline coefficients of texel, with frame; or NULL */
+    float *texel;  /**< original values, with frame */
+    float *spline; /**< cubic B-spline coefficients of texel, with frame; or NULL */
     int32_t width, height, pad;
     int32_t channels, lanes, step; /**< floats a texel */
     int64_t stride;
-    double sx, sy;       /**< photo px per layout-source px (maps of another resolution) */
-    float *low[2];       /**< means of LOW_CELL[k]^2 cells, dense lanes, (lw+2) x (lh+2) */
+    double sx, sy; /**< photo px per layout-source px (maps of another resolution) */
+    float *low[2]; /**< means of LOW_CELL[k]^2 cells, dense lanes, (lw+2) x (lh+2) */
     int32_t lw[2], lh[2];
-    float lo[TZ_IMAGE_MAX_CHANNELS], hi[TZ_IMAGE_MAX_CHANNELS]; /**< range of each channel */
+    float lo[TZ_IMAGE_MAX_CHANNELS],
+        hi[TZ_IMAGE_MAX_CHANNELS]; /**< range of each channel */
 } tz_source_plane;
 
 #define TZ_SOURCE_PAD 4
 /** Grid spacings of the seam solve, px, coarse first. */
-#define TZ_COARSE 16
-#define TZ_FINE 4
+#define TZ_COARSE     16
+#define TZ_FINE       4
 
 tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *photo,
                                int32_t width, int32_t height, bool data, bool spline);
@@ -45,11 +46,11 @@ void tz_source_row(const tz_source_plane *s, tz_affine inv, bool exact, int64_t 
 
 /** Placement made ready for rasterising. */
 typedef struct tz_piece {
-    tz_affine inv;       /**< layout px -> source px */
+    tz_affine inv;         /**< layout px -> source px */
     double x0, y0, x1, y1; /**< bounds of the border in layout px */
     int32_t source;
-    bool exact;          /**< translation by whole pixels */
-    bool turned;         /**< normals must be turned */
+    bool exact;               /**< translation by whole pixels */
+    bool turned;              /**< normals must be turned */
     float n00, n01, n10, n11; /**< linear part of a normal's x, y */
 } tz_piece;
 
@@ -68,11 +69,11 @@ struct tz_composer {
     int32_t channels, lanes, step, alpha;
     tz_source_plane *source;
     int32_t sources;
-    tz_piece *piece;     /**< one a layout placement */
-    tz_point *border;    /**< layout.border mapped to layout px, doubles rounded to float */
-    double *edge;        /**< border points in layout px, x and y interleaved */
+    tz_piece *piece;  /**< one a layout placement */
+    tz_point *border; /**< layout.border mapped to layout px, doubles rounded to float */
+    double *edge;     /**< border points in layout px, x and y interleaved */
     tz_piece_index index;
-    tz_image like;       /**< empty image: names, encoding and metadata of the photos */
+    tz_image like; /**< empty image: names, encoding and metadata of the photos */
     tz_ctx *ctx;
 };
 
@@ -82,10 +83,14 @@ tz_status tz_piece_index_init(tz_ctx *ctx, const tz_composer *c, tz_piece_index 
  * Points outside a plain layout take the label of the nearest inside point's column/row.
  * `scratch` grows as needed. */
 typedef struct tz_label_scratch {
-    TZ_ARRAY(int32_t) id;
-    TZ_ARRAY(double) cross;
-    TZ_ARRAY(int32_t) near;  /**< pieces that may be the nearest in cell near_cell */
-    TZ_ARRAY(int32_t) turn;  /**< one turn of a small torus */
+    TZ_ARRAY(int32_t)
+    id;
+    TZ_ARRAY(double)
+    cross;
+    TZ_ARRAY(int32_t)
+    near; /**< pieces that may be the nearest in cell near_cell */
+    TZ_ARRAY(int32_t)
+    turn; /**< one turn of a small torus */
     int32_t near_cell;
 } tz_label_scratch;
 tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y0,
@@ -104,7 +109,7 @@ void tz_piece_low(const tz_composer *c, int32_t id, int level, double px, double
 
 /** Correction on a grid of nodes around a rectangle. */
 typedef struct tz_correction {
-    int64_t x0, y0;      /**< first node is at (x0 + 0.5 spacing, ...) */
+    int64_t x0, y0; /**< first node is at (x0 + 0.5 spacing, ...) */
     int32_t spacing, nx, ny;
     int level;           /**< of the low-passed sources */
     int32_t *label;      /**< nx * ny */
@@ -118,7 +123,7 @@ tz_status tz_correction_solve(tz_ctx *ctx, const tz_composer *c, tz_rect r,
 void tz_correction_deinit(tz_ctx *ctx, tz_correction *g);
 /** Correction of label `id` at node (i, j): the node's own if the labels agree, else
  * continued through the smooth target image. */
-void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i, int32_t j,
-                        int32_t id, float *out);
+void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i,
+                        int32_t j, int32_t id, float *out);
 
 #endif

@@ -1,0 +1,488 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The choice of one piece: what lies around the void place, which groups could go there,
+ * how well each fits, and where its seam would run. */
+#include <string.h>
+
+#include "synthesis/arrange_internal.h"
+
+enum {
+    POINTS = 512, /* overlap points compared, at most */
+    BEST = 16,    /* candidates kept of all, at most */
+    NEAR = 48     /* placed pieces looked at around a place */
+};
+
+typedef struct candidate {
+    int32_t star;
+    bool coherent;
+    tz_affine map;
+    tz_vec2 centre;
+    double score;
+} candidate;
+
+typedef struct overlap {
+    int32_t n;
+    float x[POINTS], y[POINTS];
+    tz_feature f[POINTS];
+} overlap;
+
+typedef struct place {
+    tz_vec2 at;      /* the void point, layout px */
+    tz_vec2 towards; /* from it to the middle of the void around */
+    const tz_rule *rule;
+    int32_t rule_index;
+    overlap coarse, dense;
+    int32_t near[NEAR], nears; /* keys of placed pieces around */
+    int32_t touching;          /* the first of them lie within a piece's reach */
+} place;
+
+/* ---- the place --------------------------------------------------------------------- */
+
+static void add_near(place *pl, int32_t key)
+{
+    for (int32_t k = 0; k < pl->nears; k++)
+        if (pl->near[k] == key)
+            return;
+    if (pl->nears < NEAR)
+        pl->near[pl->nears++] = key;
+}
+
+static void collect(const tz_grower *g, tz_vec2 mid, double radius, int32_t stride,
+                    overlap *o)
+{
+    const tz_canvas *c = &g->canvas;
+    o->n = 0;
+    const int32_t ci = (int32_t)floor(mid.x / TZ_CELL),
+                  cj = (int32_t)floor(mid.y / TZ_CELL);
+    const int32_t r = (int32_t)(radius / TZ_CELL);
+    for (int32_t j = cj - r; j <= cj + r; j += stride)
+        for (int32_t i = ci - r; i <= ci + r; i += stride) {
+            const int64_t at = tz_canvas_at(c, i, j);
+            if (at < 0 || c->label[at] < 0 || o->n >= POINTS)
+                continue;
+            if ((i - ci) * (i - ci) + (j - cj) * (j - cj) > r * r)
+                continue;
+            o->x[o->n] = ((float)i + 0.5F) * TZ_CELL;
+            o->y[o->n] = ((float)j + 0.5F) * TZ_CELL;
+            o->f[o->n++] = c->feature[at];
+        }
+}
+
+static void look_around(const tz_grower *g, tz_vec2 v, tz_rng *rng, place *pl)
+{
+    const tz_canvas *c = &g->canvas;
+    const double piece = g->piece;
+    pl->at = v;
+    pl->nears = 0;
+    const int32_t w = c->nx * TZ_CELL, h = c->ny * TZ_CELL;
+    pl->rule_index =
+        tz_rules_at(g->rules, g->p.size[0], g->p.size[1], v, tz_rng_unit(rng));
+    pl->rule = &g->rules->rule.v[pl->rule_index];
+    (void)w, (void)h;
+    const int32_t ci = (int32_t)floor(v.x / TZ_CELL), cj = (int32_t)floor(v.y / TZ_CELL);
+    const int32_t r = (int32_t)(0.75 * piece / TZ_CELL) + 1;
+    double sx = 0, sy = 0, n = 0;
+    for (int32_t j = -r; j <= r; j += 2)
+        for (int32_t i = -r; i <= r; i += 2) {
+            const int64_t at = tz_canvas_at(c, ci + i, cj + j);
+            if (at < 0)
+                continue;
+            if (c->label[at] < 0)
+                sx += i, sy += j, n++;
+            else if (i * i + j * j <= r * r)
+                add_near(pl, c->label[at]);
+        }
+    pl->touching = pl->nears;
+    pl->towards = n > 0 ? (tz_vec2){sx / n * TZ_CELL, sy / n * TZ_CELL} : (tz_vec2){0, 0};
+    const int32_t far = (int32_t)(2.2 * piece / TZ_CELL),
+                  step = far / 7 > 0 ? far / 7 : 1;
+    for (int32_t j = -far; j <= far / 2; j += step)
+        for (int32_t i = -far; i <= far; i += step) {
+            const int64_t at = tz_canvas_at(c, ci + i, cj + j);
+            if (at >= 0 && c->label[at] >= 0)
+                add_near(pl, c->label[at]);
+        }
+    const tz_vec2 mid = tz_vec2_add(v, tz_vec2_scale(pl->towards, 0.6));
+    /* about 100 and 300 points, filled or not, whatever the piece */
+    const double cells = 0.75 * piece / TZ_CELL;
+    collect(g, mid, 0.75 * piece, (int32_t)fmax(1, cells / 6), &pl->coarse);
+    collect(g, mid, 0.8 * piece, (int32_t)fmax(1, cells / 11), &pl->dense);
+}
+
+/* ---- candidates ---------------------------------------------------------------------- */
+
+static bool star_allowed(const tz_grower *g, const tz_rule *r, const tz_star *s)
+{
+    if (r->source >= 0 && r->source != s->exemplar)
+        return false;
+    if (s->size < r->size[0] || s->size > r->size[1])
+        return false;
+    const tz_ebpt *e = g->ex[s->exemplar].ebpt;
+    const tz_edge_group *eg = &e->group.v[s->group];
+    if (r->groups.n) {
+        bool found = false;
+        for (int32_t k = 0; k < r->groups.n; k++)
+            found |= r->groups.v[k] == s->group;
+        if (!found)
+            return false;
+    }
+    if (r->length_bins == ~0U && r->angle_bins == ~0U)
+        return true;
+    if ((r->length_bins >> eg->length_bin & 1) && (r->angle_bins >> eg->angle_bin & 1))
+        return true;
+    for (int32_t k = eg->edge; k < eg->edge + eg->edges; k++) {
+        const tz_edge *d = &e->edge.v[e->group_edge.v[k]];
+        if ((r->length_bins >> d->length_bin & 1) && (r->angle_bins >> d->angle_bin & 1))
+            return true;
+    }
+    return false;
+}
+
+/* Smallest distance of two points on the domain. */
+static double apart(const tz_grower *g, tz_vec2 a, tz_vec2 b)
+{
+    const tz_domain d = {{g->p.size[0], g->p.size[1], 0}, g->p.tile};
+    const tz_vec3 v =
+        tz_domain_vector(&d, (tz_vec3){a.x, a.y, 0}, (tz_vec3){b.x, b.y, 0});
+    return sqrt(v.x * v.x + v.y * v.y);
+}
+
+/* Mean feature distance over the overlap points that the star covers. Gives up, and returns
+ * more than `limit`, once the first half of the points is clearly worse than that. */
+static double compare(const tz_grower *g, const overlap *o, const candidate *c,
+                      double limit)
+{
+    const tz_star *s = &g->stars.star.v[c->star];
+    const tz_feature_map *f = &g->map[s->exemplar];
+    tz_affine inv;
+    if (!tz_affine_invert(c->map, &inv))
+        return INFINITY;
+    const float a = (float)inv.a, b = (float)inv.b, cc = (float)inv.c, d = (float)inv.d;
+    const float ex = (float)(inv.a * c->centre.x + inv.c * c->centre.y + inv.e);
+    const float ey = (float)(inv.b * c->centre.x + inv.d * c->centre.y + inv.f);
+    const float ox = (float)c->centre.x, oy = (float)c->centre.y;
+    const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
+    const float wmax = (float)f->width, hmax = (float)f->height;
+    const uint8_t flip = tz_map_flip(c->map);
+    /* first where all points fall (this loop has no branch and is vectorised), then the
+     * features of those that hit the star and the photo */
+    float column[POINTS], row[POINTS];
+    int32_t hit[POINTS];
+    for (int32_t k = 0; k < o->n; k++) {
+        const float dx = o->x[k] - ox, dy = o->y[k] - oy;
+        const float ux = a * dx + cc * dy, uy = b * dx + d * dy;
+        const float px = ux + ex, py = uy + ey;
+        column[k] = px, row[k] = py;
+        hit[k] =
+            (ux * ux + uy * uy <= r2) & (px >= 0) & (py >= 0) & (px < wmax) & (py < hmax);
+    }
+    int32_t sum = 0, n = 0;
+    for (int32_t half = 0; half < 2; half++) {
+        for (int32_t k = half; k < o->n; k += 2)
+            if (hit[k]) {
+                const tz_feature q =
+                    f->v[(int64_t)(int32_t)row[k] * f->width + (int32_t)column[k]];
+                sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
+                n++;
+            }
+        if (half == 0 && sum > 1.25 * limit * n)
+            break;
+    }
+    return n ? (double)sum / n : 0;
+}
+
+/* A group seen again too near to itself. */
+static double repetition(const tz_grower *g, const place *pl, const candidate *c)
+{
+    const tz_star *s = &g->stars.star.v[c->star];
+    const double range = 2.5 * g->piece;
+    double cost = 0;
+    for (int32_t k = 0; k < pl->nears; k++) {
+        const tz_grown *q = tz_grower_piece(g, pl->near[k]);
+        const tz_star *t = &g->stars.star.v[q->star];
+        if (t->exemplar != s->exemplar)
+            continue;
+        const double d = apart(g, q->centre, c->centre);
+        if (d >= range)
+            continue;
+        /* the same source pixels, shown by another map */
+        const double same = tz_vec2_length(tz_vec2_sub(t->centre, s->centre));
+        if (same > g->piece)
+            continue;
+        const double drift = tz_vec2_length(tz_vec2_sub(
+            tz_affine_apply(q->map, s->centre), tz_affine_apply(c->map, s->centre)));
+        if (drift < 3)
+            continue; /* runs on */
+        cost += 500 * (1 - same / g->piece) * (1 - 0.6 * d / range);
+    }
+    return cost;
+}
+
+/* Score that a candidate must beat to be kept. */
+static double bar(const candidate best[BEST], int32_t n)
+{
+    return n < BEST ? INFINITY : best[BEST - 1].score;
+}
+
+static void keep(candidate best[BEST], int32_t *n, candidate c)
+{
+    int32_t at = *n;
+    if (at == BEST) {
+        if (c.score >= best[BEST - 1].score)
+            return;
+        at--;
+    } else {
+        (*n)++;
+    }
+    while (at > 0 && best[at - 1].score > c.score)
+        best[at] = best[at - 1], at--;
+    best[at] = c;
+}
+
+/* Map that lays the star's centre on `at`, with a drawn turn, scale, stretch and mirror. A
+ * stretch of a few per cent is not seen, but makes that no two copies are alike. */
+static tz_affine draw_map(const tz_grower *g, const place *pl, const tz_star *star,
+                          tz_vec2 at, tz_rng *rng)
+{
+    const int32_t exemplar = star->exemplar;
+    double angle, scale;
+    bool mirror;
+    const tz_rule *r = pl->rule;
+    const tz_freedom *f = &g->freedom[exemplar];
+    const double u = tz_rng_unit(rng), w = tz_rng_unit(rng), m = tz_rng_unit(rng);
+    const double v = tz_rng_unit(rng);
+    mirror = false;
+    if (!isnan(r->rotation[0]))
+        angle = r->rotation[0] + u * (r->rotation[1] - r->rotation[0]);
+    else if (!g->p.rotate_auto)
+        angle =
+            (g->p.rotation[0] + u * (g->p.rotation[1] - g->p.rotation[0])) * TZ_PI / 180;
+    else
+        angle = (2 * u - 1) * f->rotation;
+    if (r->field >= 0)
+        angle += tz_rules_field(g->rules, pl->rule_index, g->p.size[0], g->p.size[1], at);
+    const double *range = isnan(r->scale[0]) ? g->p.scale : r->scale;
+    scale = range[0] * pow(range[1] / range[0], w);
+    if (g->p.mirror == 2 || (g->p.mirror == 0 && f->mirror_x))
+        mirror = m < 0.5;
+    if (g->p.mirror == 0 && f->mirror_y && !f->mirror_x && m < 0.5) {
+        mirror = true; /* a mirrored copy turned half round is upside down */
+        angle += TZ_PI;
+    }
+    const double stretch = pow(range[1] / range[0], 0.6 * (v - 0.5));
+    const tz_affine squash = {stretch,
+                              0,
+                              0,
+                              1 / stretch,
+                              star->centre.x * (1 - stretch),
+                              star->centre.y * (1 - 1 / stretch)};
+    return tz_affine_then(squash,
+                          tz_affine_place(star->centre, at, angle, scale, mirror));
+}
+
+static bool covers(const tz_star *s, const candidate *c, tz_vec2 v, double share)
+{
+    tz_affine inv;
+    if (!tz_affine_invert(c->map, &inv))
+        return false;
+    const tz_vec2 p = tz_vec2_sub(tz_affine_apply(inv, v), s->centre);
+    double a = atan2(p.y, p.x) / (2 * TZ_PI);
+    a -= floor(a);
+    const int ray = (int)(a * TZ_RAYS + 0.5) % TZ_RAYS;
+    return tz_vec2_length(p) <= share * s->limit[ray];
+}
+
+/* Lays star `id` towards the void with the given jitter and judges it. */
+static void try_star(const tz_grower *g, const place *pl, int32_t id, tz_rng *rng,
+                     candidate best[], int32_t *n)
+{
+    const tz_star *s = &g->stars.star.v[id];
+    const double u = tz_rng_unit(rng), w = tz_rng_unit(rng);
+    const double length = tz_vec2_length(pl->towards) + 1e-9;
+    const double r = s->mean_radius;
+    const double off = fmin(length, (0.35 + 0.4 * u) * r);
+    const double side = (w - 0.5) * 0.8 * r;
+    tz_vec2 c = tz_vec2_add(pl->at, tz_vec2_scale(pl->towards, off / length));
+    c.x -= pl->towards.y / length * side, c.y += pl->towards.x / length * side;
+    candidate k = {id, false, draw_map(g, pl, s, c, rng), c, 0};
+    if (!covers(s, &k, pl->at, 0.85))
+        return;
+    k.score = pl->rule->structure == TZ_STRUCTURE_RANDOM
+                  ? 1000 * tz_rng_unit(rng)
+                  : compare(g, &pl->coarse, &k, bar(best, *n));
+    if (k.score >= bar(best, *n))
+        return;
+    k.score += repetition(g, pl, &k);
+    keep(best, n, k);
+}
+
+/* Groups that run on from a placed neighbour, and groups that look like them. */
+static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
+                           candidate best[], int32_t *n)
+{
+    for (int32_t k = 0; k < pl->touching; k++) {
+        const tz_grown *q = tz_grower_piece(g, pl->near[k]);
+        const tz_star *t = &g->stars.star.v[q->star];
+        const tz_ebpt *e = g->ex[t->exemplar].ebpt;
+        if (e->neighbour_first.n <= t->group + 1)
+            continue;
+        for (int32_t j = e->neighbour_first.v[t->group];
+             j < e->neighbour_first.v[t->group + 1]; j++) {
+            const int32_t id = g->stars.of_group[t->exemplar][e->neighbour.v[j]];
+            if (id < 0)
+                continue;
+            const tz_star *s = &g->stars.star.v[id];
+            candidate c = {id, true, q->map, tz_affine_apply(q->map, s->centre), 0};
+            const double u = tz_rng_unit(rng);
+            if (!covers(s, &c, pl->at, 0.85))
+                continue;
+            if (u < g->p.coherence && star_allowed(g, pl->rule, s) &&
+                pl->rule->field < 0) {
+                c.score = compare(g, &pl->coarse, &c, INFINITY) + repetition(g, pl, &c);
+                keep(best, n, c);
+            }
+            for (int m = 0; m < TZ_SIMILAR && s->similar[m] >= 0; m++) {
+                const tz_star *z = &g->stars.star.v[s->similar[m]];
+                if (!star_allowed(g, pl->rule, z))
+                    continue;
+                candidate d = {s->similar[m], false, draw_map(g, pl, z, c.centre, rng),
+                               c.centre, 0};
+                if (!covers(z, &d, pl->at, 0.85))
+                    continue;
+                d.score = compare(g, &pl->coarse, &d, bar(best, *n));
+                if (d.score >= bar(best, *n))
+                    continue;
+                d.score += repetition(g, pl, &d);
+                keep(best, n, d);
+            }
+        }
+    }
+}
+
+static candidate moved(candidate c, double dx, double dy)
+{
+    c.map.e += dx, c.map.f += dy;
+    c.centre.x += dx, c.centre.y += dy;
+    return c;
+}
+
+/* Shifts a candidate downhill: by 8 and 4 px on the coarse points, by 2 and 1 on all. */
+static void refine(const tz_grower *g, const place *pl, candidate *c)
+{
+    static const int8_t dir[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    const overlap *o = &pl->coarse;
+    double here = compare(g, o, c, INFINITY);
+    for (int step = 8; step >= 1; step /= 2) {
+        if (step == 2) {
+            o = &pl->dense;
+            here = compare(g, o, c, INFINITY);
+        }
+        for (int turn = 0; turn < 2; turn++) {
+            int way = -1;
+            for (int k = 0; k < 4; k++) {
+                const candidate d = moved(*c, step * dir[k][0], step * dir[k][1]);
+                if (!covers(&g->stars.star.v[d.star], &d, pl->at, 0.85))
+                    continue;
+                const double there = compare(g, o, &d, here);
+                if (there < here)
+                    here = there, way = k;
+            }
+            if (way < 0)
+                break;
+            *c = moved(*c, step * dir[way][0], step * dir[way][1]);
+        }
+    }
+    c->score = here;
+}
+
+/* ---- choice ------------------------------------------------------------------------- */
+
+static bool inside(const tz_star *s, const tz_grown *q, const float radius[TZ_RAYS],
+                   tz_vec2 v)
+{
+    const tz_vec2 p = tz_vec2_sub(tz_affine_apply(q->inv, v), s->centre);
+    double a = atan2(p.y, p.x) / (2 * TZ_PI);
+    a -= floor(a);
+    const int i = (int)(a * TZ_RAYS) % TZ_RAYS, j = (i + 1) % TZ_RAYS;
+    return tz_vec2_length(p) < fmin(radius[i], radius[j]) * 0.98;
+}
+
+/* Feature that a layout point shows, through the piece that owns its cell. */
+static bool shown(const void *user, double x, double y, tz_feature *f)
+{
+    const tz_grower *g = user;
+    const int64_t at = tz_canvas_at(&g->canvas, tz_cell(x), tz_cell(y));
+    if (at < 0 || g->canvas.label[at] < 0)
+        return false;
+    const tz_grown *q = tz_grower_piece(g, g->canvas.label[at]);
+    if (g->p.tile) { /* over the nearest copy */
+        x -= floor((x - q->centre.x) / g->p.size[0] + 0.5) * g->p.size[0];
+        y -= floor((y - q->centre.y) / g->p.size[1] + 0.5) * g->p.size[1];
+    }
+    const tz_vec2 p = tz_affine_apply(q->inv, (tz_vec2){x, y});
+    *f = tz_feature_mirror(
+        tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y),
+        tz_map_flip(q->map));
+    return true;
+}
+
+tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
+{
+    place here, *pl = &here;
+    look_around(g, v, rng, pl);
+    candidate best[BEST];
+    int32_t n = 0;
+    const int32_t stars = g->stars.first[g->n];
+    const bool structured = pl->rule->structure != TZ_STRUCTURE_RANDOM;
+    if (structured)
+        try_neighbours(g, pl, rng, best, &n);
+    const int32_t tries = 100 * g->p.effort;
+    for (int32_t k = 0; k < tries; k++) {
+        const int32_t id = tz_rng_below(rng, stars);
+        if (star_allowed(g, pl->rule, &g->stars.star.v[id]))
+            try_star(g, pl, id, rng, best, &n);
+    }
+    tz_grown won = {.star = -1};
+    float radius[TZ_RAYS], best_radius[TZ_RAYS];
+    double least = INFINITY;
+    const int32_t most = structured ? 3 + g->p.effort : 2; /* refined, seam and all */
+    const int32_t judged = n < most ? n : most;
+    for (int32_t k = 0; k < judged; k++) {
+        candidate c = best[k];
+        if (pl->coarse.n && structured && !c.coherent)
+            refine(g, pl, &c);
+        const double other = 0.5 * c.score + repetition(g, pl, &c);
+        if (other >= least)
+            continue;
+        const tz_star *s = &g->stars.star.v[c.star];
+        tz_grown q = {.star = c.star, .map = c.map, .centre = c.centre};
+        if (!tz_affine_invert(q.map, &q.inv))
+            continue;
+        const double seam =
+            tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, radius);
+        if (!inside(s, &q, radius, pl->at))
+            continue;
+        const double score = seam + other;
+        if (score < least) {
+            least = score, won = q;
+            memcpy(best_radius, radius, sizeof radius);
+        }
+    }
+    if (won.star >= 0) {
+        const tz_star *s = &g->stars.star.v[won.star];
+        tz_seam_refine(g, shown, &g->map[s->exemplar], s, won.map, best_radius,
+                       won.border);
+        return won;
+    }
+    /* nothing fits: the first allowed star (or any) right on the place */
+    int32_t id = tz_rng_below(rng, stars);
+    for (int32_t k = 0; k < stars && !star_allowed(g, pl->rule, &g->stars.star.v[id]);
+         k++)
+        id = (id + 1) % stars;
+    const tz_star *s = &g->stars.star.v[id];
+    won = (tz_grown){.star = id, .centre = pl->at};
+    won.map = tz_affine_place(s->centre, pl->at, 0, 1, false);
+    tz_affine_invert(won.map, &won.inv);
+    for (int k = 0; k < TZ_BORDER; k++)
+        won.border[k] = fmaxf(s->radius[k * TZ_RAYS / TZ_BORDER], 6);
+    return won;
+}
