@@ -107,15 +107,15 @@ static tz_status id_list(reader *r, tz_svg_node at, const char *attr, int32_t hi
 }
 
 /* Appends what id_list found. Expression of type tz_status. */
-#define APPEND_IDS(r, a)                                                   \
-    (tz_array_reserve((r)->ctx, (a), (int64_t)(a)->n + (r)->n.n) == TZ_OK  \
-         ? (copy_ids(&(r)->n, (a)->v + (a)->n), (a)->n += (r)->n.n, TZ_OK) \
+#define APPEND_IDS(r, a)                                                  \
+    (tz_array_reserve((r)->ctx, (a), (int64_t)(a)->n + (r)->n.n) == TZ_OK \
+         ? (copy_ids(&(r)->n, (a)->v, (a)->n), (a)->n += (r)->n.n, TZ_OK) \
          : TZ_NOMEM)
 
-static void copy_ids(const tz_numbers *n, int32_t *to)
+static void copy_ids(const tz_numbers *n, int32_t *to, int32_t at)
 {
     for (int32_t i = 0; i < n->n; i++)
-        to[i] = (int32_t)n->v[i];
+        to[at + i] = (int32_t)n->v[i];
 }
 
 /* ---- finding the parts ----------------------------------------------------------- */

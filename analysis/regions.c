@@ -490,7 +490,7 @@ tz_status tz_regions_merge(tz_ctx *ctx, const tz_region_picture *in,
 {
     const int64_t n = (int64_t)in->width * in->height;
     const bool told = opt->wanted > 0;
-    const double natural = (double)n / (0.7 * opt->scale * opt->scale);
+    const double natural = (double)n / (0.6 * opt->scale * opt->scale);
     const int64_t wanted = told ? opt->wanted : (int64_t)natural + 1;
     graph g = {.ctx = ctx, .opt = opt, .channels = in->channels};
     tz_status s;

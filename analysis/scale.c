@@ -14,7 +14,7 @@
  * strongest (its derivatives are normalised, so that levels compare). Things are about
  * six times as wide as its Gaussian (measured over photos of walls, pebbles and gravel).
  *
- * Both are held between 1/24 and 1/5 of the side. */
+ * Both are held between 1/24 and 1/6 of the side. */
 #include "analysis/scale.h"
 
 #include <math.h>
@@ -150,7 +150,7 @@ tz_status tz_scale_find(const tz_tensor *t, const tz_ebpt_params *p, double *sca
             return s;
         if (*scale <= 0)
             *scale = energy_scale(t);
-        *scale = fmax(side / 24, fmin(side / 5, *scale));
+        *scale = fmax(side / 24, fmin(side / 6, *scale));
     }
     *scale = fmax(*scale, p->groups > 0 ? 2 : 16);
     return s;

@@ -75,7 +75,7 @@ static inline int32_t count_pieces(const int32_t *label, int32_t w, int32_t h)
 {
     const int64_t n = (int64_t)w * h;
     int64_t *queue = malloc((size_t)n * sizeof *queue);
-    uint8_t *seen = calloc((size_t)n, 1);
+    uint8_t *seen = n > 0 ? calloc((size_t)n, 1) : NULL;
     int32_t pieces = 0;
     for (int64_t first = 0; first < n; first++) {
         int64_t end = 0;
