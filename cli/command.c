@@ -75,33 +75,16 @@ void tz_option_metavar(const tz_param *p, char *text, size_t size)
 {
     const char *v = "";
     switch (p->type) {
-    case TZ_PARAM_BOOL:
-        break;
+    case TZ_PARAM_BOOL: break;
     case TZ_PARAM_INT:
-    case TZ_PARAM_UINT64:
-        v = "N";
-        break;
-    case TZ_PARAM_DOUBLE:
-        v = "X";
-        break;
-    case TZ_PARAM_ENUM:
-        v = p->choices;
-        break;
-    case TZ_PARAM_STRING:
-        v = p->unit && *p->unit ? p->unit : "TEXT";
-        break;
-    case TZ_PARAM_SIZE:
-        v = "WxH";
-        break;
-    case TZ_PARAM_RANGE:
-        v = "LO,HI";
-        break;
-    case TZ_PARAM_RECT:
-        v = "X,Y,W,H";
-        break;
-    case TZ_PARAM_BYTES:
-        v = "BYTES";
-        break;
+    case TZ_PARAM_UINT64: v = "N"; break;
+    case TZ_PARAM_DOUBLE: v = "X"; break;
+    case TZ_PARAM_ENUM: v = p->choices; break;
+    case TZ_PARAM_STRING: v = p->unit && *p->unit ? p->unit : "TEXT"; break;
+    case TZ_PARAM_SIZE: v = "WxH"; break;
+    case TZ_PARAM_RANGE: v = "LO,HI"; break;
+    case TZ_PARAM_RECT: v = "X,Y,W,H"; break;
+    case TZ_PARAM_BYTES: v = "BYTES"; break;
     }
     snprintf(text, size, "%s", v);
 }

@@ -47,17 +47,10 @@ static tz_status run(tz_cli *cli)
     if (cli->operands && !(one = tz_command_find(cli->operand[0])))
         return tz_cli_usage(cli, "there is no command '%s'", cli->operand[0]);
     switch ((params_format)v->own.format) {
-    case PARAMS_MAN:
-        tz_help_man(stdout);
-        return TZ_OK;
-    case PARAMS_BASH:
-        tz_help_bash(stdout);
-        return TZ_OK;
-    case PARAMS_ZSH:
-        tz_help_zsh(stdout);
-        return TZ_OK;
-    default:
-        break;
+    case PARAMS_MAN: tz_help_man(stdout); return TZ_OK;
+    case PARAMS_BASH: tz_help_bash(stdout); return TZ_OK;
+    case PARAMS_ZSH: tz_help_zsh(stdout); return TZ_OK;
+    default: break;
     }
     bool schema = v->own.format == PARAMS_SCHEMA;
     if (schema && !one)

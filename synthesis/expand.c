@@ -341,8 +341,8 @@ tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
     tz_composer *c = NULL;
     tz_image_sink *sink = NULL;
     tz_image_write_options opt;
-    tz_rect r;
-    double start = tz_seconds(), rendered;
+    tz_rect r = {0};
+    double start = tz_seconds(), rendered = start;
     const int32_t size[2] = {job->layout->width, job->layout->height};
     tz_status s = tz_crop_settle(ctx, size, job->params, &r);
     if (s != TZ_OK)
