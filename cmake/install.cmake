@@ -7,6 +7,8 @@ foreach(folder base elements curves analysis synthesis)
     list(FILTER headers EXCLUDE REGEX "_(internal|module)\\.h$")
     install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrazzo/${folder})
 endforeach()
+# relative to the file itself, so that `cmake --install --prefix` and DESTDIR hold
+file(RELATIVE_PATH TZ_PC_PREFIX /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
 configure_file(cmake/terrazzo.pc.in terrazzo.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/terrazzo.pc
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
