@@ -11,7 +11,7 @@ pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
 find_package(OpenEXR REQUIRED)
 find_path(CHOLMOD_INCLUDE cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc photo)
 
 add_library(tz_cholmod INTERFACE)
 target_include_directories(tz_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE})
