@@ -112,6 +112,16 @@ static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_l
                 ex[k].path ? ex[k].path : "photo", (int)ex[k].photo->width,
                 (int)ex[k].photo->height, (int)ex[k].ebpt->width,
                 (int)ex[k].ebpt->height);
+    for (int32_t k = 0; l->place.n && k < n; k++)
+        if (l->source.v[k].width != ex[k].photo->width ||
+            l->source.v[k].height != ex[k].photo->height)
+            return tz_fail(
+                ctx, TZ_INVALID,
+                "arrange: the layout to go on from was made for a %s of %d x %d px, not "
+                "%d x %d",
+                l->source.v[k].path ? l->source.v[k].path : "photo",
+                (int)l->source.v[k].width, (int)l->source.v[k].height,
+                (int)ex[k].photo->width, (int)ex[k].photo->height);
     return TZ_OK;
 }
 
@@ -211,8 +221,8 @@ done:
     tz_free(ctx, g.progress);
     tz_free(ctx, g.canvas.feature);
     tz_free(ctx, g.canvas.label);
-    for (int32_t k = 0; g.map && k < n; k++)
-        tz_free(ctx, g.map[k].v);
+    if (g.map)
+        tz_feature_maps_deinit(ctx, g.map, n);
     tz_free(ctx, g.map);
     tz_free(ctx, g.freedom);
     tz_stars_deinit(ctx, &g.stars, n);

@@ -169,6 +169,10 @@ tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
         if (s == TZ_OK)
             s = tz_alloc(ctx, &out[k].v, px, sizeof *out[k].v);
         if (s == TZ_OK)
+            s = tz_alloc(ctx, &out[k].half,
+                         (size_t)((p[k].w + 1) / 2) * (size_t)((p[k].h + 1) / 2),
+                         sizeof *out[k].half);
+        if (s == TZ_OK)
             s = compute(ctx, &ex[k], &p[k]);
         if (s != TZ_OK)
             break;
@@ -204,6 +208,14 @@ tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
                     (p[k].p[f][i] - (float)scale.mean[f]) * (float)scale.gain[f] + 128.0F;
                 out[k].v[i].v[f] = (uint8_t)(v < 0 ? 0 : v > 255 ? 255 : v);
             }
+    for (int32_t k = 0; k < n; k++) {
+        const int32_t w = (p[k].w + 1) / 2, h = (p[k].h + 1) / 2;
+        out[k].half_width = w, out[k].half_height = h;
+        for (int32_t y = 0; y < h; y++)
+            for (int32_t x = 0; x < w; x++)
+                out[k].half[(int64_t)y * w + x] =
+                    tz_feature_at(&out[k], 2 * x + 1, 2 * y + 1);
+    }
 done:
     for (int32_t k = 0; p && k < n; k++) {
         for (int f = 0; f < TZ_FEATURES; f++)
@@ -212,9 +224,15 @@ done:
     }
     tz_free(ctx, p);
     if (s != TZ_OK)
-        for (int32_t k = 0; k < n; k++) {
-            tz_free(ctx, out[k].v);
-            memset(&out[k], 0, sizeof out[k]);
-        }
+        tz_feature_maps_deinit(ctx, out, n);
     return s;
+}
+
+void tz_feature_maps_deinit(tz_ctx *ctx, tz_feature_map *map, int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) {
+        tz_free(ctx, map[k].v);
+        tz_free(ctx, map[k].half);
+    }
+    memset(map, 0, (size_t)n * sizeof *map);
 }

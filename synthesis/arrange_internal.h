@@ -44,11 +44,16 @@ typedef struct tz_feature_scale {
 typedef struct tz_feature_map {
     int32_t width, height;
     tz_feature *v; /**< width * height */
+    int32_t half_width, half_height;
+    tz_feature
+        *half; /**< every second of every second row: fits the cache when places are
+                           only sought roughly */
 } tz_feature_map;
 
 /** Features of n exemplars on one scale. */
 tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
                                tz_feature_map *out);
+void tz_feature_maps_deinit(tz_ctx *ctx, tz_feature_map *map, int32_t n);
 
 /* ---- groups ----------------------------------------------------------------------- */
 
@@ -163,6 +168,32 @@ static inline tz_feature tz_feature_mirror(tz_feature f, uint8_t flip)
 static inline uint8_t tz_map_flip(tz_affine map)
 {
     return tz_affine_det(map) < 0 ? 0xff : 0;
+}
+
+/** Nearest of the halved map to source px (x, y). */
+static inline tz_feature tz_feature_near(const tz_feature_map *f, double x, double y)
+{
+    int32_t i = (int32_t)(0.5 * x), j = (int32_t)(0.5 * y);
+    i = i < 0 ? 0 : i >= f->half_width ? f->half_width - 1 : i;
+    j = j < 0 ? 0 : j >= f->half_height ? f->half_height - 1 : j;
+    return f->half[(int64_t)j * f->half_width + i];
+}
+
+/** Ray of TZ_RAYS nearest to direction (x, y), give or take a hundredth of a ray. */
+static inline int tz_ray_of(double x, double y)
+{
+    /* angle in turns: atan(t) / 2 pi for 0 <= t <= 1 by t / (8 (...)), then by octants */
+    const double ax = fabs(x), ay = fabs(y);
+    const double lo = ax < ay ? ax : ay, hi = ax < ay ? ay : ax;
+    const double t = hi > 0 ? lo / hi : 0;
+    double a = t * (0.125 + (1 - t) * (0.03895 + 0.01055 * t));
+    if (ay > ax)
+        a = 0.25 - a;
+    if (x < 0)
+        a = 0.5 - a;
+    if (y < 0)
+        a = 1 - a;
+    return (int)(a * TZ_RAYS + 0.5) % TZ_RAYS;
 }
 
 /** Direction of ray k of n. */

@@ -148,8 +148,8 @@ static double apart(const tz_grower *g, tz_vec2 a, tz_vec2 b)
 
 /* Mean feature distance over the overlap points that the star covers. Gives up, and returns
  * more than `limit`, once the first half of the points is clearly worse than that. */
-static double compare(const tz_grower *g, const overlap *o, const candidate *c,
-                      double limit)
+static double compare(const tz_grower *g, const place *pl, const overlap *o,
+                      const candidate *c, double limit)
 {
     const tz_star *s = &g->stars.star.v[c->star];
     const tz_feature_map *f = &g->map[s->exemplar];
@@ -162,6 +162,11 @@ static double compare(const tz_grower *g, const overlap *o, const candidate *c,
     const float ox = (float)c->centre.x, oy = (float)c->centre.y;
     const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
     const float wmax = (float)f->width, hmax = (float)f->height;
+    /* rough comparisons look at the halved map */
+    const bool rough = o == &pl->coarse;
+    const tz_feature *v = rough ? f->half : f->v;
+    const int64_t stride = rough ? f->half_width : f->width;
+    const float unit = rough ? 0.5F : 1;
     const uint8_t flip = tz_map_flip(c->map);
     /* first where all points fall (this loop has no branch and is vectorised), then the
      * features of those that hit the star and the photo */
@@ -171,7 +176,7 @@ static double compare(const tz_grower *g, const overlap *o, const candidate *c,
         const float dx = o->x[k] - ox, dy = o->y[k] - oy;
         const float ux = a * dx + cc * dy, uy = b * dx + d * dy;
         const float px = ux + ex, py = uy + ey;
-        column[k] = px, row[k] = py;
+        column[k] = unit * px, row[k] = unit * py;
         hit[k] =
             (ux * ux + uy * uy <= r2) & (px >= 0) & (py >= 0) & (px < wmax) & (py < hmax);
     }
@@ -179,8 +184,7 @@ static double compare(const tz_grower *g, const overlap *o, const candidate *c,
     for (int32_t half = 0; half < 2; half++) {
         for (int32_t k = half; k < o->n; k += 2)
             if (hit[k]) {
-                const tz_feature q =
-                    f->v[(int64_t)(int32_t)row[k] * f->width + (int32_t)column[k]];
+                const tz_feature q = v[(int32_t)row[k] * stride + (int32_t)column[k]];
                 sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
                 n++;
             }
@@ -238,29 +242,55 @@ static void keep(candidate best[BEST], int32_t *n, candidate c)
     best[at] = c;
 }
 
+/* Angles that a rule allows to pieces of an exemplar, before its field; and factors. */
+static void ranges(const tz_grower *g, const tz_rule *r, int32_t exemplar,
+                   double angle[2], const double **scale)
+{
+    const double free = g->freedom[exemplar].rotation, rad = TZ_PI / 180;
+    angle[0] = -free, angle[1] = free;
+    if (!isnan(r->rotation[0]))
+        angle[0] = r->rotation[0], angle[1] = r->rotation[1];
+    else if (!g->p.rotate_auto)
+        angle[0] = g->p.rotation[0] * rad, angle[1] = g->p.rotation[1] * rad;
+    *scale = isnan(r->scale[0]) ? g->p.scale : r->scale;
+}
+
+/* Whether a piece may run on here under its neighbour's map: that may lie in the region of
+ * another rule. Mirrored pieces may stand on their heads. */
+static bool map_allowed(const tz_grower *g, const place *pl, int32_t exemplar,
+                        tz_affine m)
+{
+    double angle[2];
+    const double *scale, slack = 1e-6;
+    if (pl->rule->field >= 0)
+        return false;
+    ranges(g, pl->rule, exemplar, angle, &scale);
+    const double det = tz_affine_det(m), s = sqrt(fabs(det));
+    if (s < scale[0] - slack || s > scale[1] + slack)
+        return false;
+    const double turn = det < 0 ? TZ_PI : 2 * TZ_PI;
+    const double above = atan2(-m.c, m.d) - angle[0] + slack;
+    return above - floor(above / turn) * turn <= angle[1] - angle[0] + 2 * slack;
+}
+
 /* Map that lays the star's centre on `at`, with a drawn turn, scale, stretch and mirror. A
  * stretch of a few per cent is not seen, but makes that no two copies are alike. */
 static tz_affine draw_map(const tz_grower *g, const place *pl, const tz_star *star,
                           tz_vec2 at, tz_rng *rng)
 {
     const int32_t exemplar = star->exemplar;
-    double angle, scale;
+    double angle, scale, turns[2];
+    const double *range;
     bool mirror;
     const tz_rule *r = pl->rule;
     const tz_freedom *f = &g->freedom[exemplar];
     const double u = tz_rng_unit(rng), w = tz_rng_unit(rng), m = tz_rng_unit(rng);
     const double v = tz_rng_unit(rng);
     mirror = false;
-    if (!isnan(r->rotation[0]))
-        angle = r->rotation[0] + u * (r->rotation[1] - r->rotation[0]);
-    else if (!g->p.rotate_auto)
-        angle =
-            (g->p.rotation[0] + u * (g->p.rotation[1] - g->p.rotation[0])) * TZ_PI / 180;
-    else
-        angle = (2 * u - 1) * f->rotation;
+    ranges(g, r, exemplar, turns, &range);
+    angle = turns[0] + u * (turns[1] - turns[0]);
     if (r->field >= 0)
         angle += tz_rules_field(g->rules, pl->rule_index, g->p.size[0], g->p.size[1], at);
-    const double *range = isnan(r->scale[0]) ? g->p.scale : r->scale;
     scale = range[0] * pow(range[1] / range[0], w);
     if (g->p.mirror == 2 || (g->p.mirror == 0 && f->mirror_x))
         mirror = m < 0.5;
@@ -268,7 +298,7 @@ static tz_affine draw_map(const tz_grower *g, const place *pl, const tz_star *st
         mirror = true; /* a mirrored copy turned half round is upside down */
         angle += TZ_PI;
     }
-    const double stretch = pow(range[1] / range[0], 0.6 * (v - 0.5));
+    const double stretch = pow(fmin(range[1] / range[0], 1.13), 0.6 * (v - 0.5));
     const tz_affine squash = {stretch,
                               0,
                               0,
@@ -285,10 +315,8 @@ static bool covers(const tz_star *s, const candidate *c, tz_vec2 v, double share
     if (!tz_affine_invert(c->map, &inv))
         return false;
     const tz_vec2 p = tz_vec2_sub(tz_affine_apply(inv, v), s->centre);
-    double a = atan2(p.y, p.x) / (2 * TZ_PI);
-    a -= floor(a);
-    const int ray = (int)(a * TZ_RAYS + 0.5) % TZ_RAYS;
-    return tz_vec2_length(p) <= share * s->limit[ray];
+    const double limit = share * s->limit[tz_ray_of(p.x, p.y)];
+    return tz_vec2_dot(p, p) <= limit * limit;
 }
 
 /* Lays star `id` towards the void with the given jitter and judges it. */
@@ -308,7 +336,7 @@ static void try_star(const tz_grower *g, const place *pl, int32_t id, tz_rng *rn
         return;
     k.score = pl->rule->structure == TZ_STRUCTURE_RANDOM
                   ? 1000 * tz_rng_unit(rng)
-                  : compare(g, &pl->coarse, &k, bar(best, *n));
+                  : compare(g, pl, &pl->coarse, &k, bar(best, *n));
     if (k.score >= bar(best, *n))
         return;
     k.score += repetition(g, pl, &k);
@@ -336,8 +364,9 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
             if (!covers(s, &c, pl->at, 0.85))
                 continue;
             if (u < g->p.coherence && star_allowed(g, pl->rule, s) &&
-                pl->rule->field < 0) {
-                c.score = compare(g, &pl->coarse, &c, INFINITY) + repetition(g, pl, &c);
+                map_allowed(g, pl, s->exemplar, c.map)) {
+                c.score =
+                    compare(g, pl, &pl->coarse, &c, INFINITY) + repetition(g, pl, &c);
                 keep(best, n, c);
             }
             for (int m = 0; m < TZ_SIMILAR && s->similar[m] >= 0; m++) {
@@ -348,7 +377,7 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
                                c.centre, 0};
                 if (!covers(z, &d, pl->at, 0.85))
                     continue;
-                d.score = compare(g, &pl->coarse, &d, bar(best, *n));
+                d.score = compare(g, pl, &pl->coarse, &d, bar(best, *n));
                 if (d.score >= bar(best, *n))
                     continue;
                 d.score += repetition(g, pl, &d);
@@ -370,11 +399,11 @@ static void refine(const tz_grower *g, const place *pl, candidate *c)
 {
     static const int8_t dir[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     const overlap *o = &pl->coarse;
-    double here = compare(g, o, c, INFINITY);
+    double here = compare(g, pl, o, c, INFINITY);
     for (int step = 8; step >= 1; step /= 2) {
         if (step == 2) {
             o = &pl->dense;
-            here = compare(g, o, c, INFINITY);
+            here = compare(g, pl, o, c, INFINITY);
         }
         for (int turn = 0; turn < 2; turn++) {
             int way = -1;
@@ -382,7 +411,7 @@ static void refine(const tz_grower *g, const place *pl, candidate *c)
                 const candidate d = moved(*c, step * dir[k][0], step * dir[k][1]);
                 if (!covers(&g->stars.star.v[d.star], &d, pl->at, 0.85))
                     continue;
-                const double there = compare(g, o, &d, here);
+                const double there = compare(g, pl, o, &d, here);
                 if (there < here)
                     here = there, way = k;
             }
@@ -480,7 +509,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
         id = (id + 1) % stars;
     const tz_star *s = &g->stars.star.v[id];
     won = (tz_grown){.star = id, .centre = pl->at};
-    won.map = tz_affine_place(s->centre, pl->at, 0, 1, false);
+    won.map = draw_map(g, pl, s, pl->at, rng);
     tz_affine_invert(won.map, &won.inv);
     for (int k = 0; k < TZ_BORDER; k++)
         won.border[k] = fmaxf(s->radius[k * TZ_RAYS / TZ_BORDER], 6);

@@ -88,7 +88,7 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
             int32_t m = -1;
             if (at >= 0 && canvas->label[at] >= 0) {
                 m = mismatch(canvas->feature[at],
-                             tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip));
+                             tz_feature_mirror(tz_feature_near(f, p.x, p.y), flip));
                 any = true;
             }
             miss[ray][ring] = m;
