@@ -38,9 +38,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         if (tz_svg_path_parse(NULL, text, &path) == TZ_OK)
             tz_svg_path_deinit(NULL, &path);
         break;
-    case 1:
-        tz_svg_transform(NULL, text, &m);
-        break;
+    case 1: tz_svg_transform(NULL, text, &m); break;
     case 2:
         tz_svg_numbers(NULL, text, &numbers);
         tz_array_free(NULL, &numbers);
