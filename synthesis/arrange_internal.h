@@ -207,10 +207,11 @@ static inline tz_vec2 tz_ray(int k, int n)
 
 /** Best closed border of a star at `map` over the canvas: dynamic programming over
  * rays x rings.
+ * @param step  1: every ray and ring; 2: every second, to judge a candidate
  * @param[out] radius  TZ_RAYS radii in source px
  * @return mean mismatch along the part of the seam that meets filled cells, 0 if none */
 double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
-                    tz_affine map, float radius[TZ_RAYS]);
+                    tz_affine map, int step, float radius[TZ_RAYS]);
 
 /** What a layout point shows now: its feature at full resolution; false in the void. */
 typedef bool (*tz_shown)(const void *user, double x, double y, tz_feature *f);

@@ -25,6 +25,12 @@ typedef struct overlap {
     tz_feature f[POINTS];
 } overlap;
 
+/* Placed piece around: where its middle comes from and where it stands. */
+typedef struct echo {
+    tz_vec2 from, to;
+    int32_t exemplar;
+} echo;
+
 typedef struct place {
     tz_vec2 at;      /* the void point, layout px */
     tz_vec2 towards; /* from it to the middle of the void around */
@@ -32,7 +38,8 @@ typedef struct place {
     int32_t rule_index;
     overlap coarse, dense;
     int32_t near[NEAR], nears; /* keys of placed pieces around */
-    int32_t touching;          /* the first of them lie within a piece's reach */
+    echo echo[NEAR];
+    int32_t touching; /* the first of them lie within a piece's reach */
 } place;
 
 /* ---- the place --------------------------------------------------------------------- */
@@ -101,11 +108,16 @@ static void look_around(const tz_grower *g, tz_vec2 v, tz_rng *rng, place *pl)
             if (at >= 0 && c->label[at] >= 0)
                 add_near(pl, c->label[at]);
         }
+    for (int32_t k = 0; k < pl->nears; k++) {
+        const tz_grown *q = tz_grower_piece(g, pl->near[k]);
+        const tz_star *s = &g->stars.star.v[q->star];
+        pl->echo[k] = (echo){s->centre, q->centre, s->exemplar};
+    }
     const tz_vec2 mid = tz_vec2_add(v, tz_vec2_scale(pl->towards, 0.6));
-    /* about 100 and 300 points, filled or not, whatever the piece */
+    /* about 100 and 200 points, filled or not, whatever the piece */
     const double cells = 0.75 * piece / TZ_CELL;
     collect(g, mid, 0.75 * piece, (int32_t)fmax(1, cells / 6), &pl->coarse);
-    collect(g, mid, 0.8 * piece, (int32_t)fmax(1, cells / 11), &pl->dense);
+    collect(g, mid, 0.8 * piece, (int32_t)fmax(1, cells / 8), &pl->dense);
 }
 
 /* ---- candidates ---------------------------------------------------------------------- */
@@ -198,25 +210,25 @@ static double compare(const tz_grower *g, const place *pl, const overlap *o,
 static double repetition(const tz_grower *g, const place *pl, const candidate *c)
 {
     const tz_star *s = &g->stars.star.v[c->star];
-    const double range = 2.5 * g->piece;
+    const double range = 2.5 * g->piece, piece = g->piece;
     double cost = 0;
     for (int32_t k = 0; k < pl->nears; k++) {
-        const tz_grown *q = tz_grower_piece(g, pl->near[k]);
-        const tz_star *t = &g->stars.star.v[q->star];
-        if (t->exemplar != s->exemplar)
+        const echo *q = &pl->echo[k];
+        /* the same source pixels ... */
+        const double sx = q->from.x - s->centre.x, sy = q->from.y - s->centre.y;
+        const double same = sx * sx + sy * sy;
+        if (same > piece * piece || q->exemplar != s->exemplar)
             continue;
-        const double d = apart(g, q->centre, c->centre);
+        const double d = apart(g, q->to, c->centre);
         if (d >= range)
             continue;
-        /* the same source pixels, shown by another map */
-        const double same = tz_vec2_length(tz_vec2_sub(t->centre, s->centre));
-        if (same > g->piece)
+        /* ... shown by another map: not what runs on */
+        const tz_affine m = tz_grower_piece(g, pl->near[k])->map;
+        const tz_vec2 drift = tz_vec2_sub(tz_affine_apply(m, s->centre),
+                                          tz_affine_apply(c->map, s->centre));
+        if (tz_vec2_dot(drift, drift) < 9)
             continue;
-        const double drift = tz_vec2_length(tz_vec2_sub(
-            tz_affine_apply(q->map, s->centre), tz_affine_apply(c->map, s->centre)));
-        if (drift < 3)
-            continue; /* runs on */
-        cost += 500 * (1 - same / g->piece) * (1 - 0.6 * d / range);
+        cost += 500 * (1 - sqrt(same) / piece) * (1 - 0.6 * d / range);
     }
     return cost;
 }
@@ -487,7 +499,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
         if (!tz_affine_invert(q.map, &q.inv))
             continue;
         const double seam =
-            tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, radius);
+            tz_seam_find(&g->canvas, &g->map[s->exemplar], s, c.map, 2, radius);
         if (!inside(s, &q, radius, pl->at))
             continue;
         const double score = seam + other;
@@ -498,6 +510,9 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     }
     if (won.star >= 0) {
         const tz_star *s = &g->stars.star.v[won.star];
+        tz_seam_find(&g->canvas, &g->map[s->exemplar], s, won.map, 1, radius);
+        if (inside(s, &won, radius, pl->at))
+            memcpy(best_radius, radius, sizeof radius);
         tz_seam_refine(g, shown, &g->map[s->exemplar], s, won.map, best_radius,
                        won.border);
         return won;
@@ -512,6 +527,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     won.map = draw_map(g, pl, s, pl->at, rng);
     tz_affine_invert(won.map, &won.inv);
     for (int k = 0; k < TZ_BORDER; k++)
-        won.border[k] = fmaxf(s->radius[k * TZ_RAYS / TZ_BORDER], 6);
+        won.border[k] = fminf(fmaxf(s->radius[k * TZ_RAYS / TZ_BORDER], 6),
+                              fmaxf(s->limit[k * TZ_RAYS / TZ_BORDER], 1));
     return won;
 }

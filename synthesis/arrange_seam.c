@@ -18,10 +18,10 @@ enum {
     BEND = 2
 };
 
-static float ring_radius(const tz_star *star, int ray, int ring)
+static float ring_radius(const tz_star *star, int ray, float ring)
 {
     const float f = (float)LEAST / 24;
-    return star->limit[ray] * (f + (1 - f) * (float)ring / (TZ_RINGS - 1));
+    return star->limit[ray] * (f + (1 - f) * ring / (TZ_RINGS - 1));
 }
 
 /* Path of least cost round a band of `rays` columns and `rings` rows (cost[ray * rings +
@@ -72,32 +72,36 @@ static int32_t mismatch(tz_feature old, tz_feature new)
 }
 
 double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_star *star,
-                    tz_affine map, float radius[TZ_RAYS])
+                    tz_affine map, int step, float radius[TZ_RAYS])
 {
-    int32_t cost[TZ_RAYS][TZ_RINGS], miss[TZ_RAYS][TZ_RINGS];
+    const int rays = TZ_RAYS / step, rings = TZ_RINGS / step;
+    int32_t cost[TZ_RAYS * TZ_RINGS], miss[TZ_RAYS * TZ_RINGS];
     const uint8_t flip = tz_map_flip(map);
+    const tz_vec2 middle = tz_affine_apply(map, star->centre);
     bool any = false;
-    for (int ray = 0; ray < TZ_RAYS; ray++) {
+    for (int k = 0; k < rays; k++) {
+        const int ray = k * step;
         const tz_vec2 dir = tz_ray(ray, TZ_RAYS);
+        const tz_vec2 out = {map.a * dir.x + map.c * dir.y,
+                             map.b * dir.x + map.d * dir.y};
+        const float core = CORE_COST * (TZ_RINGS / star->limit[ray]);
         int32_t bare = 0;
-        for (int ring = TZ_RINGS - 1; ring >= 0; ring--) {
-            const double r = ring_radius(star, ray, ring);
-            const tz_vec2 p = {star->centre.x + r * dir.x, star->centre.y + r * dir.y};
-            const tz_vec2 q = tz_affine_apply(map, p);
-            const int64_t at = tz_canvas_at(canvas, tz_cell(q.x), tz_cell(q.y));
+        for (int n = rings - 1; n >= 0; n--) {
+            const double r = ring_radius(star, ray, (float)(n * step));
+            const int64_t at = tz_canvas_at(canvas, tz_cell(middle.x + r * out.x),
+                                            tz_cell(middle.y + r * out.y));
             int32_t m = -1;
             if (at >= 0 && canvas->label[at] >= 0) {
-                m = mismatch(canvas->feature[at],
-                             tz_feature_mirror(tz_feature_near(f, p.x, p.y), flip));
+                const tz_feature new = tz_feature_near(f, star->centre.x + r * dir.x,
+                                                       star->centre.y + r * dir.y);
+                m = mismatch(canvas->feature[at], tz_feature_mirror(new, flip));
                 any = true;
             }
-            miss[ray][ring] = m;
-            int32_t c = m < 0 ? 0 : m;
-            c += VOID_COST * bare;
+            miss[k * rings + n] = m;
+            int32_t c = (m < 0 ? 0 : m) + VOID_COST * step * bare;
             if (r < star->radius[ray])
-                c += CORE_COST *
-                     (int32_t)((star->radius[ray] - r) * TZ_RINGS / star->limit[ray]);
-            cost[ray][ring] = c;
+                c += (int32_t)((star->radius[ray] - (float)r) * core);
+            cost[k * rings + n] = c;
             if (m < 0 && at >= 0)
                 bare++;
         }
@@ -108,13 +112,19 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
         return 0;
     }
     uint8_t path[TZ_RAYS];
-    closed_path(&cost[0][0], TZ_RAYS, TZ_RINGS, BEND_COST, path);
+    closed_path(cost, rays, rings, BEND_COST * step, path);
     int64_t total = 0;
     int32_t met = 0;
-    for (int ray = 0; ray < TZ_RAYS; ray++) {
-        radius[ray] = ring_radius(star, ray, path[ray]);
-        if (miss[ray][path[ray]] >= 0)
-            total += miss[ray][path[ray]], met++;
+    for (int k = 0; k < rays; k++) {
+        const int32_t m = miss[k * rings + path[k]];
+        if (m >= 0)
+            total += m, met++;
+        for (int i = 0; i < step; i++) {
+            const float t = (float)i / (float)step;
+            const float next = path[(k + 1) % rays],
+                        ring = path[k] + t * (next - path[k]);
+            radius[k * step + i] = ring_radius(star, k * step + i, ring * (float)step);
+        }
     }
     return met ? (double)total / met : 0;
 }
