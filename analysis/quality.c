@@ -47,12 +47,14 @@ static tz_status check(tz_ctx *ctx, const tz_image *e, const tz_image *o)
     return TZ_OK;
 }
 
-tz_status tz_quality_measure(tz_ctx *ctx, const tz_image *exemplar, const tz_image *output,
-                             const tz_quality_params *params, tz_quality *q, tz_image *heat)
+tz_status tz_quality_measure(tz_ctx *ctx, const tz_image *exemplar,
+                             const tz_image *output, const tz_quality_params *params,
+                             tz_quality *q, tz_image *heat)
 {
-    static tz_status (*const measure[])(tz_ctx *, const tz_quality_work *, tz_quality *) = {
-        tz_quality_patch,      tz_quality_orientation, tz_quality_correlation,
-        tz_quality_sharpness,  tz_quality_repetition,  tz_quality_seam,
+    static tz_status (*const measure[])(tz_ctx *, const tz_quality_work *,
+                                        tz_quality *) = {
+        tz_quality_patch,     tz_quality_orientation, tz_quality_correlation,
+        tz_quality_sharpness, tz_quality_repetition,  tz_quality_seam,
         tz_quality_lines,
     };
     enum { N = sizeof measure / sizeof *measure };
@@ -71,13 +73,14 @@ tz_status tz_quality_measure(tz_ctx *ctx, const tz_image *exemplar, const tz_ima
     if (heat && (int64_t)area > TZ_QUALITY_MAX_AREA) {
         s = tz_fail(ctx, TZ_LIMIT,
                     "a heat map of %d x %d px is too large, ask for it on a crop of the "
-                    "output up to %d px", output->width, output->height,
-                    TZ_QUALITY_MAX_AREA);
+                    "output up to %d px",
+                    output->width, output->height, TZ_QUALITY_MAX_AREA);
         goto done;
     }
     s = tz_quality_picture_init(ctx, &e, exemplar, planes, 1, params->seed);
     if (s == TZ_OK)
-        s = tz_quality_picture_init(ctx, &o, output, planes, TZ_QUALITY_CROPS, params->seed);
+        s = tz_quality_picture_init(ctx, &o, output, planes, TZ_QUALITY_CROPS,
+                                    params->seed);
     if (s == TZ_OK && heat)
         s = tz_alloc_zero(ctx, &w.heat_repeat, area, sizeof(float));
     if (s == TZ_OK && heat)

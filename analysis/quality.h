@@ -27,6 +27,8 @@ typedef struct tz_quality {
     double sharpness_range; /**< factor by which the exemplar's own halves differ from it,
                                1.1..1.35: what the score forgives of sharpness */
     double repetition;    /**< share 0..1 of 48 px patches that occur again elsewhere */
+    double repetition_near; /**< the same, where a slight stretch or turn (2 px, 8 %, 5
+                               degrees) does not hide a copy; at least repetition */
     double periodicity;   /**< 0..1: strongest off-centre autocorrelation peak beyond the
                                exemplar's own */
     double seam;          /**< strong straight discontinuities per px beyond the exemplar's */

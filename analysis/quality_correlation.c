@@ -16,11 +16,11 @@
 #include "analysis/filter_cv.h"
 #include "analysis/quality_measures.h"
 
-#define NEAR 48
-#define SHADING 12.0 /* sigma of the blur taken off */
-#define GRAIN 24     /* lags of less are the texture's own grain */
-#define BASE 0.25
-#define BEYOND 1.25
+#define NEAR       48
+#define SHADING    12.0 /* sigma of the blur taken off */
+#define GRAIN      24   /* lags of less are the texture's own grain */
+#define BASE       0.25
+#define BEYOND     1.25
 #define LEAST_SIDE 24
 
 typedef struct plane {
@@ -102,7 +102,8 @@ static tz_status near_rho(tz_ctx *ctx, const plane *p, int32_t n, const tz_rect 
     tz_status s = TZ_OK;
     memset(rho, 0, count * sizeof *rho);
     for (int32_t i = 0; i < n && s == TZ_OK; i++) {
-        s = correlate(ctx, &p[i], r ? *r : (tz_rect){0, 0, p[i].w, p[i].h}, m, m, scratch);
+        s = correlate(ctx, &p[i], r ? *r : (tz_rect){0, 0, p[i].w, p[i].h}, m, m,
+                      scratch);
         for (size_t k = 0; k < count && s == TZ_OK; k++)
             rho[k] += scratch[k] / n;
     }
@@ -124,15 +125,17 @@ static tz_status measure_distance(tz_ctx *ctx, const plane *e, const plane *o, i
 {
     int32_t w = e->w, h = e->h, m = least(least(w, h) / 4, NEAR);
     m = least(m, least(o->w, o->h) / 2);
-    const tz_rect half[4] = {
-        {0, 0, w / 2, h}, {w - w / 2, 0, w / 2, h}, {0, 0, w, h / 2}, {0, h - h / 2, w, h / 2}};
+    const tz_rect half[4] = {{0, 0, w / 2, h},
+                             {w - w / 2, 0, w / 2, h},
+                             {0, 0, w, h / 2},
+                             {0, h - h / 2, w, h / 2}};
     size_t n = (size_t)(m + 1) * (2 * (size_t)m + 1);
     double *rho;
     tz_status s = tz_alloc(ctx, &rho, n * 6, sizeof *rho);
     for (int k = 0; k < 4 && s == TZ_OK; k++)
         s = near_rho(ctx, e, 1, &half[k], m, rho + n * (size_t)k, rho + 5 * n);
-    double within = s == TZ_OK ? 0.5 * (rms(rho, rho + n, n) + rms(rho + 2 * n, rho + 3 * n, n))
-                               : 0;
+    double within =
+        s == TZ_OK ? 0.5 * (rms(rho, rho + n, n) + rms(rho + 2 * n, rho + 3 * n, n)) : 0;
     if (s == TZ_OK)
         s = near_rho(ctx, e, 1, NULL, m, rho, rho + 5 * n);
     if (s == TZ_OK)
@@ -149,7 +152,8 @@ static tz_status highest_peak(tz_ctx *ctx, const plane *p, double *peak)
 {
     int32_t mx = p->w * 5 / 8, my = p->h * 5 / 8;
     double *rho, best = 0;
-    tz_status s = tz_alloc(ctx, &rho, (size_t)(mx + 1) * (2 * (size_t)my + 1), sizeof *rho);
+    tz_status s =
+        tz_alloc(ctx, &rho, (size_t)(mx + 1) * (2 * (size_t)my + 1), sizeof *rho);
     if (s == TZ_OK)
         s = correlate(ctx, p, (tz_rect){0, 0, p->w, p->h}, mx, my, rho);
     for (int32_t y = -my; y <= my && s == TZ_OK; y++)

@@ -13,10 +13,10 @@
 
 #include "analysis/quality_measures.h"
 
-#define CELL 16
-#define DIM 6
-#define FULL 6.0
-#define MOST 4096 /* cells of the exemplar compared with */
+#define CELL          16
+#define DIM           6
+#define FULL          6.0
+#define MOST          4096 /* cells of the exemplar compared with */
 #define WEIGHT_REPEAT 0.75f
 
 typedef struct cells {
@@ -138,8 +138,10 @@ tz_status tz_quality_heat(tz_ctx *ctx, const tz_quality_work *w, tz_image *map)
     int32_t all = e.w * e.h, n = all < MOST ? all : MOST;
     for (int32_t i = 0; i < n; i++) /* thinned evenly, in place: source is never before */
         memmove(e.v[i], e.v[(int64_t)i * all / n], sizeof *e.v);
-    near_job j = {.query = (const float(*)[DIM])o.v, .point = (const float(*)[DIM])e.v,
-                  .n = n, .distance = d};
+    near_job j = {.query = (const float(*)[DIM])o.v,
+                  .point = (const float(*)[DIM])e.v,
+                  .n = n,
+                  .distance = d};
     if ((s = yardstick(ctx, j.point, n, &median)) != TZ_OK ||
         (s = tz_parallel_for(ctx, (int64_t)o.w * o.h, nearest, &j)) != TZ_OK)
         goto done;

@@ -20,23 +20,23 @@
 #include "analysis/filter_cv.h"
 #include "analysis/quality_measures.h"
 
-#define SIGMA 1.0
-#define REACH 5
+#define SIGMA   1.0
+#define REACH   5
 #define LATERAL 2
-#define HOLD 0.6f
-#define GONE 0.2f
-#define STRONG 0.75 /* quantile of the exemplar's line strengths */
-#define LEAST 0.25f /* strength of no account, of 100 a px */
-#define MARGIN (REACH + LATERAL + 2)
-#define BINS 512
-#define BIN 0.05f
+#define HOLD    0.6f
+#define GONE    0.2f
+#define STRONG  0.75  /* quantile of the exemplar's line strengths */
+#define LEAST   0.25f /* strength of no account, of 100 a px */
+#define MARGIN  (REACH + LATERAL + 2)
+#define BINS    512
+#define BIN     0.05f
 
 enum { EDGE, RIDGE, KINDS };
 
 typedef struct line_job {
     const tz_quality_planes *f; /* its lightness, smoothed */
     float *v;
-    float least[KINDS];             /* strength of a point */
+    float least[KINDS];               /* strength of a point */
     int64_t (*strength)[KINDS][BINS]; /* a band; NULL: count ends */
     int64_t (*sum)[2][KINDS][2]; /* points, loose points, a band, left and right half */
 } line_job;
@@ -74,14 +74,15 @@ static line_point direction(const float *p, int32_t w, int kind)
 }
 
 /* Strongest answer to the line of d near (x, y) + along its tangent by t px. */
-static float follow(const line_job *j, int kind, int32_t x, int32_t y, line_point d, float t)
+static float follow(const line_job *j, int kind, int32_t x, int32_t y, line_point d,
+                    float t)
 {
     float best = 0, sign = d.s < 0 ? -1 : 1;
     for (int k = -LATERAL; k <= LATERAL; k++) {
         int32_t u = x + (int32_t)lrintf(-d.ny * t + d.nx * (float)k);
         int32_t v = y + (int32_t)lrintf(d.nx * t + d.ny * (float)k);
-        float s = sign * strength_along(j->v + (size_t)v * j->f->w + u, j->f->w, kind, d.nx,
-                                        d.ny);
+        float s = sign * strength_along(j->v + (size_t)v * j->f->w + u, j->f->w, kind,
+                                        d.nx, d.ny);
         best = s > best ? s : best;
     }
     return best;
@@ -112,7 +113,8 @@ static tz_status line_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
                 }
                 float ahead = follow(j, kind, x, y, d, REACH);
                 float back = follow(j, kind, x, y, d, -REACH);
-                float most = ahead > back ? ahead : back, rest = ahead > back ? back : ahead;
+                float most = ahead > back ? ahead : back,
+                      rest = ahead > back ? back : ahead;
                 int64_t *sum = j->sum[i][x >= w / 2][kind];
                 sum[0]++;
                 sum[1] += most >= HOLD * s && rest < GONE * s;
@@ -130,7 +132,8 @@ static tz_status blur_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
     const blur_job *j = arg;
     (void)worker;
     return tz_cv_blur(ctx, j->f->v[0], j->out, j->f->w, j->f->h,
-                      (int32_t)i * TZ_QUALITY_BAND, tz_quality_band_end(i, j->f->h), SIGMA);
+                      (int32_t)i * TZ_QUALITY_BAND, tz_quality_band_end(i, j->f->h),
+                      SIGMA);
 }
 
 /* Points and loose points of the whole, left, right, top and bottom. */
@@ -204,7 +207,8 @@ tz_status tz_quality_lines(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
         int k = 0;
         for (int b = 0; b < BINS; b++)
             all += strength[kind][b];
-        for (; k < BINS && (double)(below + strength[kind][k]) <= STRONG * (double)all; k++)
+        for (; k < BINS && (double)(below + strength[kind][k]) <= STRONG * (double)all;
+             k++)
             below += strength[kind][k];
         least[kind] = all && (float)k * BIN > LEAST ? (float)k * BIN : LEAST;
     }

@@ -27,7 +27,7 @@ tz_status tz_quality_orientation(tz_ctx *ctx, const tz_quality_work *w, tz_quali
 tz_status tz_quality_correlation(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);
 /** sharpness, sharpness_range. */
 tz_status tz_quality_sharpness(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);
-/** repetition. */
+/** repetition, repetition_near. */
 tz_status tz_quality_repetition(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);
 /** seam. */
 tz_status tz_quality_seam(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q);

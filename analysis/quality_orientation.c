@@ -16,20 +16,20 @@
 
 #include "analysis/quality_measures.h"
 
-#define RADIUS 4
-#define ANGLES 12
-#define GRADES 4 /* of coherence and of energy */
-#define CELLS (ANGLES * GRADES * GRADES)
-#define LEVELS 3
-#define COARSE 64 /* energy is first counted on a logarithmic scale of 1 / 8 octave .. */
+#define RADIUS  4
+#define ANGLES  12
+#define GRADES  4 /* of coherence and of energy */
+#define CELLS   (ANGLES * GRADES * GRADES)
+#define LEVELS  3
+#define COARSE  64 /* energy is first counted on a logarithmic scale of 1 / 8 octave .. */
 #define NOTHING 1e-3f /* energy of no structure */
 
 typedef struct window_job {
     const tz_quality_planes *f;
     int32_t step;
     float quartile[GRADES - 1];
-    double (*cell)[4][CELLS];   /* a row of windows: by quarter of the picture */
-    int32_t (*energy)[COARSE];  /* a row; not NULL: only count energies */
+    double (*cell)[4][CELLS];  /* a row of windows: by quarter of the picture */
+    int32_t (*energy)[COARSE]; /* a row; not NULL: only count energies */
 } window_job;
 
 static int energy_bin(float e)
@@ -44,10 +44,10 @@ static void tensor(const tz_quality_planes *f, int32_t x, int32_t y, float j[3])
     for (int32_t v = y - RADIUS; v <= y + RADIUS; v++) {
         const float *p = f->v[0] + (size_t)v * f->w + x - RADIUS;
         for (int32_t u = 0; u <= 2 * RADIUS; u++, p++) {
-            float gx = p[1] - p[-1] + 0.5f * (p[1 - f->w] - p[-1 - f->w] + p[1 + f->w] -
-                                              p[-1 + f->w]);
-            float gy = p[f->w] - p[-f->w] + 0.5f * (p[f->w - 1] - p[-f->w - 1] +
-                                                    p[f->w + 1] - p[-f->w + 1]);
+            float gx = p[1] - p[-1] +
+                       0.5f * (p[1 - f->w] - p[-1 - f->w] + p[1 + f->w] - p[-1 + f->w]);
+            float gy = p[f->w] - p[-f->w] +
+                       0.5f * (p[f->w - 1] - p[-f->w - 1] + p[f->w + 1] - p[-f->w + 1]);
             a += gx * gx, b += gx * gy, c += gy * gy;
         }
     }
@@ -76,7 +76,8 @@ static tz_status window_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
         coherence = coherence < GRADES ? coherence : GRADES - 1;
         while (grade < GRADES - 1 && energy > j->quartile[grade])
             grade++;
-        double angle = atan2(2 * (double)t[1], (double)t[0] - t[2]) / (2 * TZ_PI) * ANGLES;
+        double angle =
+            atan2(2 * (double)t[1], (double)t[0] - t[2]) / (2 * TZ_PI) * ANGLES;
         angle = angle < 0 ? angle + ANGLES : angle;
         int k = (int)angle % ANGLES;
         double part = angle - floor(angle);
@@ -99,7 +100,10 @@ static tz_status find_quartiles(tz_ctx *ctx, const tz_quality_picture *p, int32_
                                 float quartile[GRADES - 1])
 {
     int64_t count[COARSE] = {0}, all = 0, below = 0;
-    window_job j = {.f = &p->at[0].gauss[level], .step = level == 0 ? 4 : level == 1 ? 2 : 1};
+    window_job j = {.f = &p->at[0].gauss[level],
+                    .step = level == 0   ? 4
+                            : level == 1 ? 2
+                                         : 1};
     int64_t n = window_rows(&j);
     tz_status s = tz_alloc_zero(ctx, &j.energy, (size_t)n, sizeof *j.energy);
     if (s == TZ_OK)
@@ -124,7 +128,9 @@ static tz_status count_windows(tz_ctx *ctx, const tz_quality_picture *p, int32_t
     memset(h, 0, sizeof(double) * 4 * CELLS);
     for (int32_t c = 0; c < p->n && s == TZ_OK; c++) {
         window_job j = {.f = &p->at[c].gauss[level],
-                        .step = level == 0 ? 4 : level == 1 ? 2 : 1};
+                        .step = level == 0   ? 4
+                                : level == 1 ? 2
+                                             : 1};
         int64_t n = window_rows(&j);
         memcpy(j.quartile, quartile, sizeof j.quartile);
         s = tz_alloc_zero(ctx, &j.cell, (size_t)n, sizeof *j.cell);
@@ -175,8 +181,8 @@ tz_status tz_quality_orientation(tz_ctx *ctx, const tz_quality_work *w, tz_quali
             (s = count_windows(ctx, w->exemplar, level, quartile, e)) != TZ_OK ||
             (s = count_windows(ctx, w->output, level, quartile, o)) != TZ_OK)
             break;
-        double halves = (distance(e, 5, e, 10) + distance(e, 3, e, 12) +
-                         distance(e, 9, e, 6)) / 3;
+        double halves =
+            (distance(e, 5, e, 10) + distance(e, 3, e, 12) + distance(e, 9, e, 6)) / 3;
         sum += tz_quality_ratio(distance(e, 15, o, 15), halves, 0.02);
         n++;
     }

@@ -62,7 +62,8 @@ static tz_status convert_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
     const convert_job *j = arg;
     tz_quality_planes *p = j->p;
     (void)ctx, (void)worker;
-    for (int32_t y = (int32_t)i * TZ_QUALITY_BAND; y < tz_quality_band_end(i, p->h); y++) {
+    for (int32_t y = (int32_t)i * TZ_QUALITY_BAND; y < tz_quality_band_end(i, p->h);
+         y++) {
         const float *src = tz_image_at(j->im, j->r.x, j->r.y + y);
         float *l = p->v[0] + (size_t)y * p->w;
         for (int32_t x = 0; x < p->w; x++, src += j->im->channels) {
@@ -225,8 +226,9 @@ static void choose_crops(tz_quality_picture *p, const tz_image *im, int32_t crop
         tz_rng r = tz_rng_make(seed, tz_rng_stream('c', (uint64_t)i, 0));
         double along = tz_rng_unit(&r), across = tz_rng_unit(&r);
         double part = crops > 1 ? (i + along) / crops : along;
-        p->crop[i] = (tz_rect){(int32_t)((wide ? part : across) * (im->width - w)),
-                               (int32_t)((wide ? across : part) * (im->height - h)), w, h};
+        p->crop[i] =
+            (tz_rect){(int32_t)((wide ? part : across) * (im->width - w)),
+                      (int32_t)((wide ? across : part) * (im->height - h)), w, h};
     }
 }
 

@@ -7,10 +7,10 @@
 
 #include "base/image.h"
 
-#define TZ_QUALITY_LEVELS 5
+#define TZ_QUALITY_LEVELS   5
 #define TZ_QUALITY_MIN_SIDE 16
 #define TZ_QUALITY_MAX_AREA (2100 * 2100) /* larger pictures are measured on crops */
-#define TZ_QUALITY_CROPS 4                /* of at most a quarter of that area each */
+#define TZ_QUALITY_CROPS    4             /* of at most a quarter of that area each */
 
 /** Rows of one parallel item: sums are kept per band and added in the order of bands. */
 #define TZ_QUALITY_BAND 32

@@ -11,7 +11,9 @@
  *      [Norouzi et al. 2012]); those within a few bits are pairs, each votes an offset.
  *   3. Patches on a grid: the offsets that most anchors inside voted for are tried; the
  *      patch occurs again if the normalised cross-correlation of D with the patch at
- *      some offset is at least NCC_COPY.
+ *      some offset is at least NCC_COPY (a copy). It nearly does where that is so with
+ *      each ninth of the patch moved by up to WARP px to where it fits best: stretched or
+ *      turned a little, a copy is no longer verbatim, yet an eye knows it again.
  *
  * Patches without structure never count: D must have contrast, and the patch must not
  * resemble itself under a small shift (a straight edge, a fine lattice: such a thing looks
@@ -26,19 +28,24 @@
 #include "base/array.h"
 #include "base/rng.h"
 
-#define SIDE TZ_QUALITY_REPEAT
-#define STEP 16           /* grid of patches tested */
-#define FAR SIDE          /* least offset: the two patches do not overlap */
-#define NCC_COPY 0.92     /* a copy */
-#define NCC_SELF 0.75     /* resembles itself SELF_SHIFT px further: no structure */
-#define SELF_SHIFT 8
-#define CONTRAST 0.3      /* least rms of D, of 100 */
-#define RADIUS 11         /* of the code's neighbourhood */
-#define EXTREMUM 2        /* radius in which an anchor is the extremum */
+#define SIDE          TZ_QUALITY_REPEAT
+#define STEP          16   /* grid of patches tested */
+#define FAR           SIDE /* least offset: the two patches do not overlap */
+#define NCC_COPY      0.92 /* a copy */
+#define NCC_TRY       0.35 /* worth a look whether it is a copy but for a slight warp */
+#define WARPED        2    /* offsets looked at so, a patch */
+#define PART          16   /* side of the parts that a warp moves .. */
+#define WARP          2    /* .. by so many px: 8 % of stretch, 5 degrees */
+#define CELL          4    /* offsets of one cell are voted for together, px */
+#define NCC_SELF      0.75 /* resembles itself SELF_SHIFT px further: no structure */
+#define SELF_SHIFT    8
+#define CONTRAST      0.3 /* least rms of D, of 100 */
+#define RADIUS        11  /* of the code's neighbourhood */
+#define EXTREMUM      2   /* radius in which an anchor is the extremum */
 #define CODE_DISTANCE 10  /* bits of 64 */
-#define WINDOW 12         /* neighbours compared in the order of codes */
-#define TRIES 8           /* offsets verified a patch */
-#define LEAST_VOTES 3     /* an anchor has up to four for an offset, one a quarter */
+#define WINDOW        12  /* neighbours compared in the order of codes */
+#define TRIES         8   /* offsets verified a patch */
+#define LEAST_VOTES   3   /* an anchor has up to four for an offset, one a quarter */
 
 typedef struct anchor {
     int32_t crop, x, y;
@@ -49,8 +56,10 @@ typedef struct match {
     int32_t from, to; /* anchors */
 } match;
 
-typedef TZ_ARRAY(anchor) anchors;
-typedef TZ_ARRAY(match) matches;
+typedef TZ_ARRAY(anchor)
+anchors;
+typedef TZ_ARRAY(match)
+matches;
 
 typedef struct repeat_search {
     const tz_quality_picture *p;
@@ -286,33 +295,69 @@ static tz_status list_matches(tz_ctx *ctx, repeat_search *r)
 
 /* ---- patches -------------------------------------------------------------------- */
 
-/* Sums of squares and products of two patches, every `skip`-th row; in eight lanes, so
- * that the order of sums is fixed. D has no mean to take off. */
+/* Sums of squares and products of two patches, every `skip`-th row; a sum a column, so
+ * that the order of sums is fixed and columns go side by side. D has no mean to take off. */
 static void products(const float *a, int32_t stride_a, const float *b, int32_t stride_b,
                      int32_t skip, double sum[3])
 {
-    float aa[8] = {0}, bb[8] = {0}, ab[8] = {0};
+    float aa[SIDE] = {0}, bb[SIDE] = {0}, ab[SIDE] = {0};
     for (int32_t y = 0; y < SIDE; y += skip) {
         const float *u = a + (size_t)y * stride_a, *v = b + (size_t)y * stride_b;
-        for (int32_t x = 0; x < SIDE; x += 8)
-            for (int k = 0; k < 8; k++) {
-                aa[k] += u[x + k] * u[x + k];
-                bb[k] += v[x + k] * v[x + k];
-                ab[k] += u[x + k] * v[x + k];
-            }
+        for (int32_t x = 0; x < SIDE; x++) {
+            aa[x] += u[x] * u[x];
+            bb[x] += v[x] * v[x];
+            ab[x] += u[x] * v[x];
+        }
     }
     sum[0] = sum[1] = sum[2] = 0;
-    for (int k = 0; k < 8; k++)
-        sum[0] += (double)aa[k], sum[1] += (double)bb[k], sum[2] += (double)ab[k];
+    for (int x = 0; x < SIDE; x++)
+        sum[0] += (double)aa[x], sum[1] += (double)bb[x], sum[2] += (double)ab[x];
 }
 
 /* Normalised cross-correlation; 0 where one of both has no contrast. */
-static double correlate(const float *a, int32_t stride_a, const float *b, int32_t stride_b,
-                        int32_t skip)
+static double correlate(const float *a, int32_t stride_a, const float *b,
+                        int32_t stride_b, int32_t skip)
 {
     double s[3], least = SIDE * SIDE * CONTRAST * CONTRAST / skip;
     products(a, stride_a, b, stride_b, skip, s);
     return s[0] < least || s[1] < least ? 0 : s[2] / sqrt(s[0] * s[1]);
+}
+
+/* The same where each part of the patch may move by WARP px to where it fits best. */
+static double correlate_warped(const float *a, int32_t w, const tz_quality_planes *f,
+                               const float *d, int32_t tx, int32_t ty)
+{
+    double aa = 0, bb = 0, ab = 0;
+    for (int32_t block = 0; block < (SIDE / PART) * (SIDE / PART); block++) {
+        int32_t x0 = block % (SIDE / PART) * PART, y0 = block / (SIDE / PART) * PART;
+        double best = -2, own[3] = {0};
+        for (int32_t s = 0; s < (2 * WARP + 1) * (2 * WARP + 1); s++) {
+            int32_t x = tx + x0 + s % (2 * WARP + 1) - WARP;
+            int32_t y = ty + y0 + s / (2 * WARP + 1) - WARP;
+            if (x < 0 || y < 0 || x > f->w - PART || y > f->h - PART)
+                continue;
+            float uu[PART] = {0}, vv[PART] = {0}, uv[PART] = {0};
+            for (int32_t k = 0; k < PART; k++) {
+                const float *u = a + (size_t)(y0 + k) * w + x0;
+                const float *v = d + (size_t)(y + k) * f->w + x;
+                for (int32_t i = 0; i < PART; i++) {
+                    uu[i] += u[i] * u[i];
+                    vv[i] += v[i] * v[i];
+                    uv[i] += u[i] * v[i];
+                }
+            }
+            double t[3] = {0};
+            for (int32_t i = 0; i < PART; i++)
+                t[0] += (double)uu[i], t[1] += (double)vv[i], t[2] += (double)uv[i];
+            double ncc = t[2] / sqrt(t[0] * t[1] + 1e-9);
+            if (ncc > best) {
+                best = ncc;
+                memcpy(own, t, sizeof own);
+            }
+        }
+        aa += own[0], bb += own[1], ab += own[2];
+    }
+    return aa > 0 && bb > 0 ? ab / sqrt(aa * bb) : 0;
 }
 
 /* Whether the patch differs from itself at a small shift in every direction. */
@@ -335,16 +380,18 @@ static bool has_structure(const float *d, int32_t w, int32_t h, int32_t x, int32
     return true;
 }
 
+/* Votes for offsets of one cell of CELL x CELL px. */
 typedef struct vote {
-    int64_t key; /* crop, dy, dx */
-    int32_t n;
+    int64_t key; /* crop, dy / CELL, dx / CELL */
+    int32_t n, crop;
+    int32_t dx, dy; /* that most votes in a row agreed on, else the first */
+    int32_t hold;   /* Boyer-Moore majority counter of dx, dy */
 } vote;
 
-#define VOTES 768
-#define SLOTS 2048 /* of the hash table, a power of two */
+#define VOTES    768
+#define SLOTS    2048 /* of the hash table, a power of two */
 #define KEY_BITS 23
 #define KEY_BIAS ((int64_t)1 << (KEY_BITS - 1))
-#define KEY_MASK (((int64_t)1 << KEY_BITS) - 1)
 
 static bool more_votes(vote a, vote b) { return a.n != b.n ? a.n > b.n : a.key < b.key; }
 
@@ -361,18 +408,25 @@ static int32_t gather_votes(const repeat_search *r, int32_t crop, int32_t x, int
             const anchor *a = &r->anchor.v[i];
             if (a->x < x || a->x >= x + SIDE)
                 continue;
-            for (int32_t k = r->first[i]; k < r->first[i + 1] && all < VOTES; k++, all++) {
+            for (int32_t k = r->first[i]; k < r->first[i + 1] && all < VOTES;
+                 k++, all++) {
                 const anchor *b = &r->anchor.v[r->target[k]];
-                int64_t dx = b->x - a->x + KEY_BIAS, dy = b->y - a->y + KEY_BIAS;
-                int64_t key = (int64_t)b->crop << (2 * KEY_BITS) | dy << KEY_BITS | dx;
+                int32_t dx = b->x - a->x, dy = b->y - a->y;
+                int64_t key = (int64_t)b->crop << (2 * KEY_BITS) |
+                              (dy + KEY_BIAS) / CELL << KEY_BITS | (dx + KEY_BIAS) / CELL;
                 uint32_t h = (uint32_t)((uint64_t)key * 0x9e3779b97f4a7c15u >> 53);
                 while (slot[h] >= 0 && v[slot[h]].key != key)
                     h = (h + 1) & (SLOTS - 1);
                 if (slot[h] < 0) {
                     slot[h] = (int16_t)n;
-                    v[n++] = (vote){key, 0};
+                    v[n++] = (vote){.key = key, .crop = b->crop, .dx = dx, .dy = dy};
                 }
-                v[slot[h]].n++;
+                vote *o = &v[slot[h]];
+                o->n++;
+                if (o->dx == dx && o->dy == dy)
+                    o->hold++;
+                else if (--o->hold < 0)
+                    o->dx = dx, o->dy = dy, o->hold = 1;
             }
         }
     for (int32_t i = 0; i < n; i++) {
@@ -386,30 +440,52 @@ static int32_t gather_votes(const repeat_search *r, int32_t crop, int32_t x, int
     return m;
 }
 
-typedef struct patch_job {
-    repeat_search *r;
-    int32_t crop;
-    int64_t *structured, *repeated; /* a row of patches */
-    float *heat;
-} patch_job;
+enum { NEW, NEAR_COPY, COPY };
 
-static bool occurs_again(const repeat_search *r, int32_t crop, int32_t x, int32_t y)
+static int occurs_again(const repeat_search *r, int32_t crop, int32_t x, int32_t y)
 {
     vote v[TRIES];
-    int32_t n = gather_votes(r, crop, x, y, v), w = r->p->at[crop].gauss[0].w;
+    int32_t n = gather_votes(r, crop, x, y, v), w = r->p->at[crop].gauss[0].w, m = 0;
     const float *a = r->band[crop] + (size_t)y * w + x;
     for (int32_t i = 0; i < n; i++) {
-        int32_t to = (int32_t)(v[i].key >> (2 * KEY_BITS));
-        int32_t tx = x + (int32_t)((v[i].key & KEY_MASK) - KEY_BIAS);
-        int32_t ty = y + (int32_t)((v[i].key >> KEY_BITS & KEY_MASK) - KEY_BIAS);
+        int32_t to = v[i].crop, tx = x + v[i].dx, ty = y + v[i].dy;
         const tz_quality_planes *f = &r->p->at[to].gauss[0];
         if (tx < 0 || ty < 0 || tx > f->w - SIDE || ty > f->h - SIDE ||
             !far_apart(r->p, crop, x, y, to, tx, ty))
             continue;
-        if (correlate(a, w, r->band[to] + (size_t)ty * f->w + tx, f->w, 1) >= NCC_COPY)
-            return true;
+        double ncc = correlate(a, w, r->band[to] + (size_t)ty * f->w + tx, f->w, 1);
+        if (ncc >= NCC_COPY)
+            return COPY;
+        if (ncc >= NCC_TRY && m < WARPED)
+            v[m++] = v[i];
     }
-    return false;
+    for (int32_t i = 0; i < m; i++) {
+        const tz_quality_planes *f = &r->p->at[v[i].crop].gauss[0];
+        if (correlate_warped(a, w, f, r->band[v[i].crop], x + v[i].dx, y + v[i].dy) >=
+            NCC_COPY)
+            return NEAR_COPY;
+    }
+    return NEW;
+}
+
+/* Counts of patches. */
+typedef struct patch_count {
+    int64_t structured, copies, near; /* near: copies too */
+} patch_count;
+
+typedef struct patch_job {
+    repeat_search *r;
+    int32_t crop;
+    patch_count *row; /* a row of patches */
+    float *heat;
+} patch_job;
+
+static void paint(const patch_job *j, int32_t x, int32_t y, float v)
+{
+    int32_t w = j->r->p->at[j->crop].gauss[0].w, inner = (SIDE - STEP) / 2;
+    for (int32_t k = 0; k < STEP; k++)
+        for (int32_t i = 0; i < STEP; i++)
+            j->heat[(size_t)(y + inner + k) * w + x + inner + i] = v;
 }
 
 static tz_status patch_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
@@ -422,48 +498,54 @@ static tz_status patch_row(tz_ctx *ctx, void *arg, int64_t i, int worker)
     for (int32_t x = 0; x <= f->w - SIDE; x += STEP) {
         if (!has_structure(d, f->w, f->h, x, y))
             continue;
-        j->structured[i]++;
-        if (!occurs_again(j->r, j->crop, x, y))
-            continue;
-        j->repeated[i]++;
-        for (int32_t v = 0; v < STEP && j->heat; v++)
-            for (int32_t u = 0; u < STEP; u++)
-                j->heat[(size_t)(y + v + (SIDE - STEP) / 2) * f->w + x + u +
-                        (SIDE - STEP) / 2] = 1;
+        int again = occurs_again(j->r, j->crop, x, y);
+        j->row[i].structured++;
+        j->row[i].copies += again == COPY;
+        j->row[i].near += again != NEW;
+        if (j->heat && again != NEW)
+            paint(j, x, y, again == COPY ? 1 : 0.6f);
     }
     return TZ_OK;
 }
 
 /* ---- share ---------------------------------------------------------------------- */
 
-static tz_status count_patches(tz_ctx *ctx, repeat_search *r, float *heat, double *share)
+typedef struct repeat_share {
+    double copies, near;
+} repeat_share;
+
+static tz_status count_patches(tz_ctx *ctx, repeat_search *r, float *heat,
+                               repeat_share *share)
 {
-    int64_t all = 0, structured = 0, repeated = 0;
+    int64_t all = 0;
+    patch_count sum = {0};
     tz_status s = TZ_OK;
     for (int32_t c = 0; c < r->p->n && s == TZ_OK; c++) {
         const tz_quality_planes *f = &r->p->at[c].gauss[0];
         if (f->w < SIDE || f->h < SIDE)
             continue;
-        int64_t rows = (f->h - SIDE) / STEP + 1, *sum;
-        s = tz_alloc_zero(ctx, &sum, (size_t)rows * 2, sizeof *sum);
-        if (s != TZ_OK)
-            return s;
-        patch_job j = {.r = r, .crop = c, .structured = sum, .repeated = sum + rows,
-                       .heat = heat};
-        s = tz_parallel_for(ctx, rows, patch_row, &j);
-        for (int64_t i = 0; i < rows; i++)
-            structured += sum[i], repeated += sum[rows + i];
+        int64_t rows = (f->h - SIDE) / STEP + 1;
+        patch_job j = {.r = r, .crop = c, .heat = heat};
+        s = tz_alloc_zero(ctx, &j.row, (size_t)rows, sizeof *j.row);
+        if (s == TZ_OK)
+            s = tz_parallel_for(ctx, rows, patch_row, &j);
+        for (int64_t i = 0; i < rows && s == TZ_OK; i++) {
+            sum.structured += j.row[i].structured;
+            sum.copies += j.row[i].copies;
+            sum.near += j.row[i].near;
+        }
         all += rows * ((f->w - SIDE) / STEP + 1);
-        tz_free(ctx, sum);
+        tz_free(ctx, j.row);
     }
     /* where hardly a patch has structure, few repeats must not pass for many */
-    double of = structured > 0.1 * (double)all ? (double)structured : 0.1 * (double)all;
-    *share = of > 0 ? (double)repeated / of : 0;
+    double of = fmax((double)sum.structured, 0.1 * (double)all);
+    *share = (repeat_share){of > 0 ? (double)sum.copies / of : 0,
+                            of > 0 ? (double)sum.near / of : 0};
     return s;
 }
 
 static tz_status repeated_share(tz_ctx *ctx, const tz_quality_picture *p, float *heat,
-                                double *share)
+                                repeat_share *share)
 {
     repeat_search r = {.p = p};
     draw_pairs(&r);
@@ -485,12 +567,18 @@ static tz_status repeated_share(tz_ctx *ctx, const tz_quality_picture *p, float 
     return s;
 }
 
+static double beyond(double share, double own)
+{
+    return share > own ? (share - own) / (1 - own) : 0;
+}
+
 tz_status tz_quality_repetition(tz_ctx *ctx, const tz_quality_work *w, tz_quality *q)
 {
-    double own = 0, share = 0;
+    repeat_share own = {0}, share = {0};
     tz_status s = repeated_share(ctx, w->exemplar, NULL, &own);
     if (s == TZ_OK)
         s = repeated_share(ctx, w->output, w->heat_repeat, &share);
-    q->repetition = share > own ? (share - own) / (1 - own) : 0;
+    q->repetition = beyond(share.copies, own.copies);
+    q->repetition_near = fmax(beyond(share.near, own.near), q->repetition);
     return s;
 }

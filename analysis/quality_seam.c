@@ -17,29 +17,33 @@
  *
  * Straight sharp edges exist in photos as well (bricks). So the figure compares tails:
  * with rho(t) the length per area of lines of S >= t,
- *   seam = max over t of rho_output(t) - 2 rho_exemplar(t / 1.06),
- * the excess in px of seam line a px of area, 0 for another crop of the exemplar. */
+ *   seam = max over t of rho_output(t) - MORE rho_exemplar(t / STRONGER),
+ * over those t that are RARE in the exemplar, rho_exemplar being that of whichever half
+ * of the exemplar has most: the excess in px of seam line a px of area, about 0 for another
+ * crop of the exemplar. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "analysis/quality_measures.h"
 
-#define LINE 32
-#define BAND 128         /* rows of a parallel item */
-#define CONTEXT 7        /* radius of the local mean */
-#define CAP 4.0f
-#define UNIT 16          /* steps of the quantised anomaly per 1 */
-#define BINS 256         /* of S, BIN sums each */
-#define BIN (LINE * (int)CAP * UNIT / BINS)
-#define MARGIN (LINE / 2)
-#define STRONGER 1.06
-#define PEAK 3           /* radius in which a line is the maximum across */
+#define LINE     32
+#define BAND     128 /* rows of a parallel item */
+#define CONTEXT  7   /* radius of the local mean */
+#define CAP      4.0f
+#define UNIT     16  /* steps of the quantised anomaly per 1 */
+#define BINS     256 /* of S, BIN sums each */
+#define BIN      (LINE * (int)CAP * UNIT / BINS)
+#define MARGIN   (LINE / 2)
+#define RARE     5e-3 /* lines stronger than all but so many a px are looked at */
+#define STRONGER 1.04 /* tolerance of the comparison, in strength */
+#define MORE     1.15 /* and in number */
+#define PEAK     3    /* radius in which a line is the maximum across */
 
 typedef struct detector {
     int first, end; /* planes */
     bool widen;
-    int slopes;     /* to each side of straight: dx = k LINE / (2 slopes) ... */
+    int slopes; /* to each side of straight: dx = k LINE / (2 slopes) ... */
     float eps;
 } detector;
 
@@ -48,8 +52,9 @@ static const detector detectors[2] = {{0, 1, false, 8, 0.3f}, {1, 3, true, 4, 0.
 typedef struct seam_job {
     const tz_quality_planes *f;
     const detector *d;
-    int64_t (*count)[BINS]; /* a band */
-    uint16_t *map;          /* NULL or S + 1 at maxima, else 0 */
+    bool turned;               /* the picture is transposed */
+    int64_t (*count)[4][BINS]; /* a band: left, right, top and bottom half */
+    uint16_t *map;             /* NULL or S + 1 at maxima, else 0 */
 } seam_job;
 
 /* |r| of one row, over the detector's planes. */
@@ -69,8 +74,8 @@ static void step_row(const seam_job *j, int32_t y, float *m)
 }
 
 /* Quantised anomaly of row y from the |r| of rows y0..y1-1 (rows of m). */
-static void anomaly_row(const seam_job *j, const float *m, int32_t y0, int32_t y1, int32_t y,
-                        float *sum, uint16_t *a)
+static void anomaly_row(const seam_job *j, const float *m, int32_t y0, int32_t y1,
+                        int32_t y, float *sum, uint16_t *a)
 {
     int32_t w = j->f->w, n = 0;
     memset(sum, 0, (size_t)w * sizeof *sum);
@@ -125,8 +130,10 @@ static void line_row(const seam_job *j, const uint16_t *a, uint16_t *t, uint16_t
     }
 }
 
-static void count_row(const seam_job *j, int32_t y, const uint16_t *best, int64_t *count)
+static void count_row(const seam_job *j, int32_t y, const uint16_t *best,
+                      int64_t count[4][BINS])
 {
+    int across = j->turned ? 2 : 0, along = (j->turned ? 0 : 2) + (2 * y >= j->f->h);
     for (int32_t x = MARGIN; x < j->f->w - MARGIN; x++) {
         bool peak = best[x] > 0;
         for (int32_t k = 1; k <= PEAK && peak; k++)
@@ -134,7 +141,9 @@ static void count_row(const seam_job *j, int32_t y, const uint16_t *best, int64_
         if (!peak)
             continue;
         int32_t bin = best[x] / BIN;
-        count[bin < BINS ? bin : BINS - 1]++;
+        bin = bin < BINS ? bin : BINS - 1;
+        count[across + (2 * x >= j->f->w)][bin]++;
+        count[along][bin]++;
         if (j->map)
             j->map[(size_t)y * j->f->w + x] = (uint16_t)(best[x] + 1);
     }
@@ -187,26 +196,27 @@ static tz_status transpose(tz_ctx *ctx, const tz_quality_planes *f, tz_quality_p
 }
 
 static tz_status count_lines(tz_ctx *ctx, const tz_quality_planes *f, const detector *d,
-                             uint16_t *map, int64_t count[BINS])
+                             bool turned, uint16_t *map, int64_t count[4][BINS])
 {
     if (f->w < 2 * LINE || f->h < 2 * LINE)
         return TZ_OK;
-    seam_job j = {.f = f, .d = d, .map = map};
+    seam_job j = {.f = f, .d = d, .turned = turned, .map = map};
     int64_t n = (f->h - 2 * MARGIN + BAND - 1) / BAND;
     tz_status s = tz_alloc_zero(ctx, &j.count, (size_t)n, sizeof *j.count);
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, n, seam_band, &j);
     for (int64_t i = 0; i < n && s == TZ_OK; i++)
-        for (int k = 0; k < BINS; k++)
-            count[k] += j.count[i][k];
+        for (int h = 0; h < 4; h++)
+            for (int k = 0; k < BINS; k++)
+                count[h][k] += j.count[i][h][k];
     tz_free(ctx, j.count);
     return s;
 }
 
 typedef struct seam_count {
-    int64_t line[2][BINS]; /* a detector */
-    double area;           /* px where lines can lie */
-    uint16_t *map[2][2];   /* detector, upright or transposed */
+    int64_t line[2][4][BINS]; /* a detector and half */
+    double area;              /* px */
+    uint16_t *map[2][2];      /* detector, upright or transposed */
 } seam_count;
 
 static tz_status count_picture(tz_ctx *ctx, const tz_quality_picture *p, bool map,
@@ -223,7 +233,7 @@ static tz_status count_picture(tz_ctx *ctx, const tz_quality_picture *p, bool ma
                     s = tz_alloc_zero(ctx, &r->map[d][t], (size_t)f->w * f->h,
                                       sizeof(uint16_t));
                 if (s == TZ_OK)
-                    s = count_lines(ctx, t ? &turned : f, &detectors[d], r->map[d][t],
+                    s = count_lines(ctx, t ? &turned : f, &detectors[d], t, r->map[d][t],
                                     r->line[d]);
             }
         r->area += (double)f->w * f->h;
@@ -235,13 +245,18 @@ static tz_status count_picture(tz_ctx *ctx, const tz_quality_picture *p, bool ma
 /* Excess of the output's tail; *at is the bin where it is largest. */
 static double excess(const seam_count *e, const seam_count *o, int d, int *at)
 {
-    double tail_e[BINS + 1] = {0}, tail_o = 0, best = 0;
+    double tail_e[BINS + 1] = {0}, half[4] = {0}, tail_o = 0, best = 0;
     *at = BINS;
     for (int k = BINS - 1; k >= 0; k--)
-        tail_e[k] = tail_e[k + 1] + (double)e->line[d][k] / e->area;
+        for (int h = 0; h < 4; h++) {
+            half[h] += (double)e->line[d][h][k] / (0.5 * e->area);
+            tail_e[k] = half[h] > tail_e[k] ? half[h] : tail_e[k];
+        }
     for (int k = BINS - 1; k >= 0; k--) {
-        tail_o += (double)o->line[d][k] / o->area;
-        double v = tail_o - 2 * tail_e[(int)(k / STRONGER)];
+        tail_o += (double)(o->line[d][0][k] + o->line[d][1][k]) / o->area;
+        double v = tail_o - MORE * tail_e[(int)(k / STRONGER)];
+        if (tail_e[(int)(k / STRONGER)] > RARE)
+            break;
         if (v > best)
             best = v, *at = k;
     }

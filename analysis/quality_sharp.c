@@ -10,7 +10,7 @@
 #include "analysis/quality_measures.h"
 
 #define LEAST 1.1
-#define MOST 1.35
+#define MOST  1.35
 #define FLOOR 1e-3 /* energy of no account */
 
 typedef struct energy_job {
@@ -63,7 +63,8 @@ static tz_status level_energy(tz_ctx *ctx, const tz_quality_picture *p, int32_t 
             double rows = tz_quality_band_end(k, j.p->h) - (double)k * TZ_QUALITY_BAND;
             int side = 2 * k < n ? 3 : 4;
             for (int h = 0; h < 2; h++) {
-                double v = j.band[k][h], a = rows * (h ? j.p->w - j.p->w / 2 : j.p->w / 2);
+                double v = j.band[k][h],
+                       a = rows * (h ? j.p->w - j.p->w / 2 : j.p->w / 2);
                 sum[0] += v, sum[1 + h] += v, sum[side] += v;
                 area[0] += a, area[1 + h] += a, area[side] += a;
             }

@@ -12,7 +12,7 @@
 #include "analysis/quality_measures.h"
 
 #define STRIP 32
-#define WIDE 8
+#define WIDE  8
 
 /* Mean |r| at the joint, between column w - 1 and 0 (or rows), and inside the strips. */
 static double fine_step(const tz_quality_planes *f, int first, int end, bool down)
@@ -41,7 +41,8 @@ static double fine_step(const tz_quality_planes *f, int first, int end, bool dow
 }
 
 /* Mean |difference| of strip means, across the joint over inside. */
-static tz_status wide_step(tz_ctx *ctx, const tz_quality_planes *f, bool down, double *ratio)
+static tz_status wide_step(tz_ctx *ctx, const tz_quality_planes *f, bool down,
+                           double *ratio)
 {
     int32_t along = (down ? f->w : f->h) / WIDE, across = (down ? f->h : f->w) / WIDE;
     size_t step = down ? (size_t)f->w : 1, row = down ? 1 : (size_t)f->w;
@@ -75,10 +76,11 @@ tz_status tz_quality_wrap(tz_ctx *ctx, const tz_image *output, tz_quality *q)
     tz_quality_planes f = {0};
     tz_rect all = {0, 0, output->width, output->height};
     double worst = 0;
-    tz_status s = tz_quality_planes_from_image(ctx, &f, output, all,
-                                               tz_quality_colours(output));
+    tz_status s =
+        tz_quality_planes_from_image(ctx, &f, output, all, tz_quality_colours(output));
     for (int down = 0; down < 2 && s == TZ_OK; down++) {
-        double v[3] = {fine_step(&f, 0, 1, down), f.n == 3 ? fine_step(&f, 1, 3, down) : 0};
+        double v[3] = {fine_step(&f, 0, 1, down),
+                       f.n == 3 ? fine_step(&f, 1, 3, down) : 0};
         s = wide_step(ctx, &f, down, &v[2]);
         for (int k = 0; k < 3; k++)
             worst = v[k] > worst ? v[k] : worst;

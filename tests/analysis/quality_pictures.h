@@ -31,10 +31,10 @@ static inline double grain(double x, double y, double size, uint64_t seed)
     double u = floor(x / size), v = floor(y / size), sum = 0;
     for (int k = 0; k < 4; k++) {
         double i = u + (k & 1), j = v + (k >> 1);
-        tz_rng r = tz_rng_make(seed, tz_rng_stream(7, (uint64_t)(int64_t)i,
-                                                   (uint64_t)(int64_t)j));
-        sum += (1 - fabs(x / size - i)) * (1 - fabs(y / size - j)) *
-               tz_rng_range(&r, -1, 1);
+        tz_rng r = tz_rng_make(
+            seed, tz_rng_stream(7, (uint64_t)(int64_t)i, (uint64_t)(int64_t)j));
+        sum +=
+            (1 - fabs(x / size - i)) * (1 - fabs(y / size - j)) * tz_rng_range(&r, -1, 1);
     }
     return sum;
 }
@@ -51,7 +51,8 @@ static inline tz_image stones(tz_ctx *ctx, int32_t x0, int32_t y0, int32_t w, in
                 for (int32_t i = x / 30 - 1; i <= x / 30 + 1; i++) {
                     tz_rng r = tz_rng_make(2, tz_rng_stream(0, (uint64_t)i, (uint64_t)j));
                     double dx = (i + tz_rng_unit(&r)) * 30 - x;
-                    double dy = (j + tz_rng_unit(&r)) * 30 - y, d = sqrt(dx * dx + dy * dy);
+                    double dy = (j + tz_rng_unit(&r)) * 30 - y,
+                           d = sqrt(dx * dx + dy * dy);
                     near[1] = d < near[0] ? near[0] : d < near[1] ? d : near[1];
                     if (d < near[0]) {
                         near[0] = d;
@@ -69,8 +70,8 @@ static inline tz_image stones(tz_ctx *ctx, int32_t x0, int32_t y0, int32_t w, in
     return im;
 }
 
-static inline tz_image part(tz_ctx *ctx, const tz_image *im, int32_t x, int32_t y, int32_t w,
-                            int32_t h)
+static inline tz_image part(tz_ctx *ctx, const tz_image *im, int32_t x, int32_t y,
+                            int32_t w, int32_t h)
 {
     tz_image v = tz_image_view(im, (tz_rect){x, y, w, h}), o;
     ok(ctx, tz_image_copy(ctx, &v, &o));
@@ -187,7 +188,8 @@ static inline tz_image phase_noise(tz_ctx *ctx, const tz_image *im)
         float sign = (tz_rng_below(&r, 2) ? 1 : -1) / sqrtf(K);
         for (int32_t y = 0; y < im->height; y++)
             for (int32_t x = 0; x < im->width; x++) {
-                const float *s = tz_image_at(im, (x + dx) % im->width, (y + dy) % im->height);
+                const float *s =
+                    tz_image_at(im, (x + dx) % im->width, (y + dy) % im->height);
                 for (int32_t c = 0; c < im->channels; c++)
                     tz_image_at(&o, x, y)[c] += sign * (s[c] - (float)mean[c]);
             }

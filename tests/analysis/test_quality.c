@@ -5,12 +5,16 @@
 
 static void all_finite(const tz_quality *q)
 {
-    const double v[] = {q->patch,       q->orientation,     q->correlation,
-                        q->sharpness,   q->sharpness_range, q->repetition,
-                        q->periodicity, q->seam,            q->broken,
-                        q->score,       q->cost_patch,      q->cost_structure,
-                        q->cost_seam,   q->cost_broken,     q->cost_sharpness,
-                        q->cost_wrap,   q->cost_repetition, q->cost_periodicity};
+    const double v[] = {q->patch,           q->orientation,
+                        q->correlation,     q->sharpness,
+                        q->sharpness_range, q->repetition,
+                        q->periodicity,     q->seam,
+                        q->broken,          q->score,
+                        q->cost_patch,      q->cost_structure,
+                        q->cost_seam,       q->cost_broken,
+                        q->cost_sharpness,  q->cost_wrap,
+                        q->cost_repetition, q->cost_periodicity,
+                        q->repetition_near};
     for (size_t i = 0; i < sizeof v / sizeof *v; i++)
         assert_true(isfinite(v[i]));
     assert_true(q->score >= 0 && q->score <= 100);
@@ -116,7 +120,8 @@ static void a_tile_is_measured_across_its_wrap(void **state)
     /* mirrored halves meet across the border without a step */
     for (int32_t y = 0; y < 256; y++)
         for (int32_t x = 0; x < 256; x++)
-            copy_pixel(&cut, x < 128 ? x : 255 - x, y < 128 ? y : 255 - y, &wrapped, x, y);
+            copy_pixel(&cut, x < 128 ? x : 255 - x, y < 128 ? y : 255 - y, &wrapped, x,
+                       y);
     tz_quality bad, good;
     ok(ctx, tz_quality_measure(ctx, &cut, &cut, &p, &bad, NULL));
     ok(ctx, tz_quality_measure(ctx, &cut, &wrapped, &p, &good, NULL));
@@ -160,13 +165,15 @@ static void odd_input_is_measured_or_refused(void **state)
     tz_image e = stones(ctx, 0, 0, 96, 96), grey = new_picture(ctx, 64, 64, 1);
     fails(ctx, tz_quality_measure(ctx, &small, &e, &p, &q, NULL), TZ_INVALID, "15 x 40");
     fails(ctx, tz_quality_measure(ctx, &e, &small, &p, &q, NULL), TZ_INVALID, "output");
-    fails(ctx, tz_quality_measure(ctx, &e, &five, &p, &q, NULL), TZ_INVALID, "5 channels");
+    fails(ctx, tz_quality_measure(ctx, &e, &five, &p, &q, NULL), TZ_INVALID,
+          "5 channels");
     q = measure(ctx, &e, &grey);
     all_finite(&q);
     q = measure(ctx, &grey, &e);
     all_finite(&q);
     for (int32_t side = 16; side <= 64; side += 7) {
-        tz_image a = part(ctx, &e, 0, 0, side, 96 - side), b = part(ctx, &e, 0, 0, 16, side);
+        tz_image a = part(ctx, &e, 0, 0, side, 96 - side),
+                 b = part(ctx, &e, 0, 0, 16, side);
         q = measure(ctx, &a, &b);
         all_finite(&q);
         q = measure(ctx, &b, &e);

@@ -13,13 +13,13 @@ typedef struct photo {
 
 /* Lower where the two halves show different things (light, knots, depth of field). */
 static const photo photos[] = {
-    {"bark_brown.jpg", 85},       {"bark_lichen.jpg", 90},
-    {"brick_gray.png", 80},       {"cliff_strata.jpg", 85},
+    {"bark_brown.jpg", 85},           {"bark_lichen.jpg", 90},
+    {"brick_gray.png", 80},           {"cliff_strata.jpg", 85},
     {"cobblestone_pavement.jpg", 90}, {"cracked_rock.jpg", 90},
-    {"gravel_gray.png", 85},      {"leaf_litter.jpg", 90},
-    {"moss_ground.jpg", 90},      {"mossy_rock_slabs.jpg", 85},
-    {"onyx_swirl.jpg", 70},       {"pebbles_large.jpg", 85},
-    {"stone_wall.jpg", 85},       {"veined_slate.jpg", 90},
+    {"gravel_gray.png", 85},          {"leaf_litter.jpg", 90},
+    {"moss_ground.jpg", 90},          {"mossy_rock_slabs.jpg", 85},
+    {"onyx_swirl.jpg", 70},           {"pebbles_large.jpg", 85},
+    {"stone_wall.jpg", 85},           {"veined_slate.jpg", 90},
     {"volcanic_stone_cells.jpg", 90},
 };
 enum { PHOTOS = sizeof photos / sizeof *photos };
