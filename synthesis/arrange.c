@@ -99,6 +99,11 @@ static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_l
             "%d x %d with %d",
             (int)l->width, (int)l->height, (int)l->source.n, (int)p->size[0],
             (int)p->size[1], (int)n);
+    for (int k = 0; k < 2; k++)
+        if (p->size[k] < 1 || p->size[k] > TZ_IMAGE_MAX_SIDE)
+            return tz_fail(ctx, TZ_INVALID,
+                           "arrange: a layout of %d x %d px cannot be made; sides are 1 to %d",
+                           (int)p->size[0], (int)p->size[1], TZ_IMAGE_MAX_SIDE);
     if (n < 1 || n > 64)
         return tz_fail(ctx, TZ_INVALID, "arrange: 1 to 64 exemplars are needed, not %d",
                        (int)n);
