@@ -15,8 +15,12 @@ extern "C" bool tz_number_parse(const char *text, const char **end, double *out)
     bool digit = *p >= '0' && *p <= '9';
     if (!digit && !(*p == '.' && p[1] >= '0' && p[1] <= '9'))
         return false;
-    /* the characters that can belong to it; a zero ends the text */
-    size_t n = std::strspn(p, "0123456789.eE+-");
+    /* The characters that can belong to it; a zero ends the text. No double needs more than
+     * 1,100 of them, and a look at all that follows would make long lists cost their
+     * length squared. */
+    size_t n = 0;
+    while (n < 1100 && p[n] && std::strchr("0123456789.eE+-", p[n]))
+        n++;
     double v = 0;
     auto r = std::from_chars(p, p + n, v);
     *end = r.ptr;
