@@ -58,6 +58,10 @@ static double border_distance(const tz_ebpt *e, tz_vec2 p, double a)
     return d > 0 ? d : 0;
 }
 
+enum { TINY = 16 };
+
+static bool tiny(const tz_ebpt *e) { return e->width < TINY || e->height < TINY; }
+
 static void make_star(const tz_exemplar *ex, int32_t exemplar, int32_t group,
                       double piece, tz_star *s)
 {
@@ -75,7 +79,8 @@ static void make_star(const tz_exemplar *ex, int32_t exemplar, int32_t group,
         double r = s->radius[k];
         r = r < floor_radius ? floor_radius : r > ceiling ? ceiling : r;
         double limit = r * 1.2 + 4;
-        const double border = border_distance(e, s->centre, a);
+        /* photos smaller than any piece go on beyond their borders, mirrored */
+        const double border = tiny(e) ? piece : border_distance(e, s->centre, a);
         if (limit > border)
             limit = border;
         if (r > limit)
@@ -175,7 +180,7 @@ tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double pi
         for (int32_t g = 0; g < b->group.n && st == TZ_OK; g++) {
             tz_star star;
             const double shorter = b->width < b->height ? b->width : b->height;
-            const double fit = fmin(piece, 0.7 * shorter);
+            const double fit = tiny(b) ? fmin(piece, TINY) : fmin(piece, 0.7 * shorter);
             make_star(&ex[e], e, g, fit, &star);
             /* slivers at the photo's border cannot cover anything */
             float least = INFINITY;
