@@ -101,9 +101,10 @@ static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_l
             (int)p->size[1], (int)n);
     for (int k = 0; k < 2; k++)
         if (p->size[k] < 1 || p->size[k] > TZ_IMAGE_MAX_SIDE)
-            return tz_fail(ctx, TZ_INVALID,
-                           "arrange: a layout of %d x %d px cannot be made; sides are 1 to %d",
-                           (int)p->size[0], (int)p->size[1], TZ_IMAGE_MAX_SIDE);
+            return tz_fail(
+                ctx, TZ_INVALID,
+                "arrange: a layout of %d x %d px cannot be made; sides are 1 to %d",
+                (int)p->size[0], (int)p->size[1], TZ_IMAGE_MAX_SIDE);
     if (n < 1 || n > 64)
         return tz_fail(ctx, TZ_INVALID, "arrange: 1 to 64 exemplars are needed, not %d",
                        (int)n);
@@ -158,7 +159,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     if (s != TZ_OK)
         return s;
     g.piece = piece_size(ex, n, params->piece);
-    s = tz_stars_init(ctx, ex, n, g.piece, &g.stars);
+    s = tz_stars_init(ctx, ex, n, g.rules, g.piece, &g.stars);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &g.map, (size_t)n, sizeof *g.map);
     if (s == TZ_OK)

@@ -62,8 +62,9 @@ enum { TINY = 16 };
 
 static bool tiny(const tz_ebpt *e) { return e->width < TINY || e->height < TINY; }
 
+/* @param granular  cut to the group's own region, not to a wanted size */
 static void make_star(const tz_exemplar *ex, int32_t exemplar, int32_t group,
-                      double piece, tz_star *s)
+                      double piece, bool granular, tz_star *s)
 {
     const tz_ebpt *e = ex->ebpt;
     const tz_edge_group *g = &e->group.v[group];
@@ -72,7 +73,9 @@ static void make_star(const tz_exemplar *ex, int32_t exemplar, int32_t group,
     s->centre = g->region_centre;
     s->size = (float)g->size;
     cast_rays(e, group, s);
-    const double floor_radius = 0.5 * piece, ceiling = 1.1 * piece;
+    const double floor_radius =
+        granular ? fmin(fmax(0.8 * g->size, 8), 0.5 * piece) : 0.5 * piece;
+    const double ceiling = granular ? fmin(1.3 * g->size + 8, 1.1 * piece) : 1.1 * piece;
     double sum = 0;
     for (int k = 0; k < TZ_RAYS; k++) {
         const double a = 2 * TZ_PI * k / TZ_RAYS;
@@ -168,8 +171,47 @@ static tz_status similar_task(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
-tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double piece,
-                        tz_stars *s)
+static double fitting_piece(const tz_ebpt *e, double piece)
+{
+    const double shorter = e->width < e->height ? e->width : e->height;
+    return tiny(e) ? fmin(piece, TINY) : fmin(piece, 0.7 * shorter);
+}
+
+static void widen(tz_stars *s, const tz_star *star)
+{
+    for (int k = 0; k < TZ_RAYS; k++)
+        s->reach = fmax(s->reach, star->limit[k]);
+}
+
+/* A block for each rule that wants other sizes than the exemplars'. */
+static tz_status add_blocks(tz_ctx *ctx, const tz_exemplar *ex, const tz_rules *rules,
+                            double piece, tz_stars *s)
+{
+    tz_status st = tz_alloc_zero(ctx, &s->block, (size_t)rules->rule.n, sizeof *s->block);
+    for (int32_t r = 0; r < rules->rule.n && st == TZ_OK; r++) {
+        const tz_rule *rule = &rules->rule.v[r];
+        const bool granular = rule->structure == TZ_STRUCTURE_GRANULAR;
+        if (!granular && rule->density == 1)
+            continue;
+        s->block[r] = s->star.n;
+        for (int32_t k = 0; k < s->count && st == TZ_OK; k++) {
+            tz_star star = s->star.v[k], cut;
+            const double wanted =
+                fitting_piece(ex[star.exemplar].ebpt, piece / sqrt(rule->density));
+            make_star(&ex[star.exemplar], star.exemplar, star.group, wanted, granular,
+                      &cut);
+            memcpy(star.radius, cut.radius, sizeof star.radius);
+            memcpy(star.limit, cut.limit, sizeof star.limit);
+            star.mean_radius = cut.mean_radius;
+            widen(s, &star);
+            st = tz_array_push(ctx, &s->star, star);
+        }
+    }
+    return st;
+}
+
+tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
+                        const tz_rules *rules, double piece, tz_stars *s)
 {
     memset(s, 0, sizeof *s);
     tz_status st = tz_alloc_zero(ctx, &s->first, (size_t)n + 1, sizeof *s->first);
@@ -179,9 +221,8 @@ tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double pi
         st = tz_alloc(ctx, &s->of_group[e], (size_t)b->group.n + 1, sizeof(int32_t));
         for (int32_t g = 0; g < b->group.n && st == TZ_OK; g++) {
             tz_star star;
-            const double shorter = b->width < b->height ? b->width : b->height;
-            const double fit = tiny(b) ? fmin(piece, TINY) : fmin(piece, 0.7 * shorter);
-            make_star(&ex[e], e, g, fit, &star);
+            const double fit = fitting_piece(b, piece);
+            make_star(&ex[e], e, g, fit, false, &star);
             /* slivers at the photo's border cannot cover anything */
             float least = INFINITY;
             for (int k = 0; k < TZ_RAYS; k++)
@@ -193,16 +234,17 @@ tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double pi
             }
             surroundings(b, g, &star);
             s->of_group[e][g] = s->star.n;
-            for (int k = 0; k < TZ_RAYS; k++)
-                s->reach = fmax(s->reach, star.limit[k]);
+            widen(s, &star);
             st = tz_array_push(ctx, &s->star, star);
         }
     }
     if (st == TZ_OK) {
-        s->first[n] = s->star.n;
+        s->first[n] = s->count = s->star.n;
         similar_job job = {s, ex};
-        st = tz_parallel_for(ctx, s->star.n, similar_task, &job);
+        st = tz_parallel_for(ctx, s->count, similar_task, &job);
     }
+    if (st == TZ_OK)
+        st = add_blocks(ctx, ex, rules, piece, s);
     if (st != TZ_OK)
         tz_stars_deinit(ctx, s, n);
     return st;
@@ -214,6 +256,7 @@ void tz_stars_deinit(tz_ctx *ctx, tz_stars *s, int32_t n)
     for (int32_t e = 0; e < n; e++)
         tz_free(ctx, s->of_group[e]);
     tz_free(ctx, s->first);
+    tz_free(ctx, s->block);
     memset(s, 0, sizeof *s);
 }
 

@@ -77,16 +77,20 @@ typedef struct tz_freedom {
     bool mirror_x, mirror_y;
 } tz_freedom;
 
+/** Stars in blocks of `count`: block 0 as the exemplars want them, further blocks the same
+ * groups cut to other sizes, as rules ask (granular structure, density). */
 typedef struct tz_stars {
     TZ_ARRAY(tz_star)
     star;
-    int32_t *of_group[64]; /**< per exemplar: group -> star index or -1 */
-    int32_t *first;        /**< exemplar e owns stars first[e] .. first[e + 1] - 1 */
-    double reach;          /**< largest limit, px */
+    int32_t count;
+    int32_t *of_group[64]; /**< per exemplar: group -> star of block 0, or -1 */
+    int32_t *first; /**< exemplar e owns stars first[e] .. first[e + 1] - 1 of block 0 */
+    int32_t *block; /**< per rule: where its block begins */
+    double reach;   /**< largest limit, px */
 } tz_stars;
 
-tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, double piece,
-                        tz_stars *s);
+tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
+                        const tz_rules *rules, double piece, tz_stars *s);
 void tz_stars_deinit(tz_ctx *ctx, tz_stars *s, int32_t n);
 tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f);
 

@@ -367,9 +367,11 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
             continue;
         for (int32_t j = e->neighbour_first.v[t->group];
              j < e->neighbour_first.v[t->group + 1]; j++) {
-            const int32_t id = g->stars.of_group[t->exemplar][e->neighbour.v[j]];
+            int32_t id = g->stars.of_group[t->exemplar][e->neighbour.v[j]];
             if (id < 0)
                 continue;
+            const int32_t block = g->stars.block[pl->rule_index];
+            id += block;
             const tz_star *s = &g->stars.star.v[id];
             candidate c = {id, true, q->map, tz_affine_apply(q->map, s->centre), 0};
             const double u = tz_rng_unit(rng);
@@ -382,11 +384,12 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
                 keep(best, n, c);
             }
             for (int m = 0; m < TZ_SIMILAR && s->similar[m] >= 0; m++) {
-                const tz_star *z = &g->stars.star.v[s->similar[m]];
+                const int32_t like = block + s->similar[m];
+                const tz_star *z = &g->stars.star.v[like];
                 if (!star_allowed(g, pl->rule, z))
                     continue;
-                candidate d = {s->similar[m], false, draw_map(g, pl, z, c.centre, rng),
-                               c.centre, 0};
+                candidate d = {like, false, draw_map(g, pl, z, c.centre, rng), c.centre,
+                               0};
                 if (!covers(z, &d, pl->at, 0.85))
                     continue;
                 d.score = compare(g, pl, &pl->coarse, &d, bar(best, *n));
@@ -472,13 +475,13 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     look_around(g, v, rng, pl);
     candidate best[BEST];
     int32_t n = 0;
-    const int32_t stars = g->stars.first[g->n];
+    const int32_t stars = g->stars.count, block = g->stars.block[pl->rule_index];
     const bool structured = pl->rule->structure != TZ_STRUCTURE_RANDOM;
     if (structured)
         try_neighbours(g, pl, rng, best, &n);
     const int32_t tries = 100 * g->p.effort;
     for (int32_t k = 0; k < tries; k++) {
-        const int32_t id = tz_rng_below(rng, stars);
+        const int32_t id = block + tz_rng_below(rng, stars);
         if (star_allowed(g, pl->rule, &g->stars.star.v[id]))
             try_star(g, pl, id, rng, best, &n);
     }
@@ -522,6 +525,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     for (int32_t k = 0; k < stars && !star_allowed(g, pl->rule, &g->stars.star.v[id]);
          k++)
         id = (id + 1) % stars;
+    id += block;
     const tz_star *s = &g->stars.star.v[id];
     won = (tz_grown){.star = id, .centre = pl->at};
     won.map = draw_map(g, pl, s, pl->at, rng);
