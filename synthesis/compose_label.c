@@ -87,7 +87,8 @@ tz_status tz_piece_index_init(tz_ctx *ctx, const tz_composer *c, tz_piece_index 
         at[i] = ix->first[i];
     }
     if (sum > INT32_MAX) {
-        s = tz_fail(ctx, TZ_LIMIT, "layout: placements overlap too much; use fewer or smaller");
+        s = tz_fail(ctx, TZ_LIMIT,
+                    "layout: placements overlap too much; use fewer or smaller");
         goto done;
     }
     ix->first[cells] = (int32_t)sum;
@@ -127,8 +128,8 @@ static int32_t sort_once(int32_t *v, int32_t n)
 }
 
 /* Ids of pieces whose cells meet [x0, x1) x [y0, y1), sorted, each once. */
-static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0, double x1,
-                        double y1, tz_label_scratch *scratch)
+static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0,
+                        double x1, double y1, tz_label_scratch *scratch)
 {
     const tz_piece_index *ix = &c->index;
     const tz_layout *l = c->layout;
@@ -137,7 +138,8 @@ static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0,
     int32_t j0 = (int32_t)floor(y0 / ix->cell), j1 = (int32_t)floor(y1 / ix->cell);
     if (l->tile) {
         /* narrower last cells: one cell of slack a turn */
-        i1 += 1 + (int32_t)((x1 - x0) / l->width), j1 += 1 + (int32_t)((y1 - y0) / l->height);
+        i1 += 1 + (int32_t)((x1 - x0) / l->width),
+            j1 += 1 + (int32_t)((y1 - y0) / l->height);
         i0 -= 1, j0 -= 1;
         if (i1 - i0 >= ix->nx)
             i0 = 0, i1 = ix->nx - 1;
@@ -284,7 +286,8 @@ static tz_status gather_near(tz_ctx *ctx, const tz_composer *c, int32_t ci, int3
     const double slack = 1.4143 * ix->cell;
     double least = INFINITY, box, mid;
     scratch->near.n = 0;
-    for (int32_t ring = 0; ring <= rings && (double)(ring - 2) * ix->cell <= least + slack; ring++)
+    for (int32_t ring = 0;
+         ring <= rings && (double)(ring - 2) * ix->cell <= least + slack; ring++)
         for (int32_t j = cj - ring; j <= cj + ring; j++)
             for (int32_t i = ci - ring; i <= ci + ring;
                  i += (j == cj - ring || j == cj + ring || ring == 0) ? 1 : 2 * ring) {
@@ -353,7 +356,8 @@ static tz_status label_inside(tz_ctx *ctx, const tz_composer *c, int64_t gx0, in
     /* outside a plain layout points repeat the nearest inside point */
     int64_t a = 0, b = nx, d = 0, e = ny;
     if (!l->tile) {
-        const int64_t last_x = (l->width - 1) / spacing, last_y = (l->height - 1) / spacing;
+        const int64_t last_x = (l->width - 1) / spacing,
+                      last_y = (l->height - 1) / spacing;
         a = gx0 < 0 ? -gx0 : 0;
         d = gy0 < 0 ? -gy0 : 0;
         b = gx0 + nx > last_x + 1 ? last_x + 1 - gx0 : nx;
@@ -388,7 +392,8 @@ static tz_status label_inside(tz_ctx *ctx, const tz_composer *c, int64_t gx0, in
     scratch->near_cell = -1;
     for (int64_t jb = d; jb < e && s == TZ_OK; jb = next_block(gy0, jb, block))
         for (int64_t ib = a; ib < b && s == TZ_OK; ib = next_block(gx0, ib, block)) {
-            const int64_t je = next_block(gy0, jb, block), ie = next_block(gx0, ib, block);
+            const int64_t je = next_block(gy0, jb, block),
+                          ie = next_block(gx0, ib, block);
             for (int64_t j = jb; j < je && j < e; j++)
                 for (int64_t i = ib; i < ie && i < b && s == TZ_OK; i++) {
                     if (label[j * nx + i] >= 0)

@@ -67,16 +67,24 @@ static void assert_wrapped(tz_vec3 p)
 static void test_wrap_lies_inside(void **state)
 {
     (void)state;
-    static const double hard[] = {0,     -0.0,  DBL_MIN, -DBL_MIN, 1e-18, -1e-18, -1e-300,
-                                  -1e-9, 37,    -37,     120,      -120,  240,    36.999999999999993,
-                                  1e9,   -1e9,  1e15,    -1e15,    59.99, -120.00000000000001};
+    static const double hard[] = {0,       -0.0,
+                                  DBL_MIN, -DBL_MIN,
+                                  1e-18,   -1e-18,
+                                  -1e-300, -1e-9,
+                                  37,      -37,
+                                  120,     -120,
+                                  240,     36.999999999999993,
+                                  1e9,     -1e9,
+                                  1e15,    -1e15,
+                                  59.99,   -120.00000000000001};
     const int n = sizeof hard / sizeof hard[0];
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             assert_wrapped((tz_vec3){hard[i], hard[j], 3});
     tz_rng r = tz_rng_make(2, 0);
     for (int k = 0; k < 5000; k++)
-        assert_wrapped((tz_vec3){tz_rng_range(&r, -1e4, 1e4), tz_rng_normal(&r) * 1e-15, 0});
+        assert_wrapped(
+            (tz_vec3){tz_rng_range(&r, -1e4, 1e4), tz_rng_normal(&r) * 1e-15, 0});
 }
 
 int main(void)

@@ -136,7 +136,8 @@ static void test_missing(void **state)
 {
     (void)state;
     const double missing = weights.missing * weights.limit * weights.limit;
-    tz_neighbour a[3] = {{{0, 0, 0}, NAN, 5, 0}, {{10, 0, 0}, NAN, 5, 0}, {{0, 10, 0}, NAN, 5, 0}};
+    tz_neighbour a[3] = {
+        {{0, 0, 0}, NAN, 5, 0}, {{10, 0, 0}, NAN, 5, 0}, {{0, 10, 0}, NAN, 5, 0}};
     tz_neighbour b[3] = {a[0], a[1], a[2]};
     assert_float_equal(cost(a, 3, b, 0), missing, 1e-9);
     assert_float_equal(cost(a, 3, b, 2), missing / 3, 1e-9);
@@ -167,8 +168,8 @@ static void test_each_pairs_once(void **state)
 }
 
 /* Least sum over all pairings, unpaired ones included. */
-static double optimal(const tz_neighbour *a, int32_t na, const tz_neighbour *b, int32_t nb,
-                      int32_t at, uint32_t used)
+static double optimal(const tz_neighbour *a, int32_t na, const tz_neighbour *b,
+                      int32_t nb, int32_t at, uint32_t used)
 {
     if (at == na)
         return 0;
@@ -215,7 +216,8 @@ static void test_too_many_are_cut(void **state)
     tz_rng r = tz_rng_make(6, 0);
     tz_neighbour a[TZ_NEIGHBOURS_MAX + 8];
     draw_all(&r, 40, a, TZ_NEIGHBOURS_MAX + 8);
-    assert_float_equal(cost(a, TZ_NEIGHBOURS_MAX + 8, a, TZ_NEIGHBOURS_MAX + 8), 0, 1e-12);
+    assert_float_equal(cost(a, TZ_NEIGHBOURS_MAX + 8, a, TZ_NEIGHBOURS_MAX + 8), 0,
+                       1e-12);
     assert_true(cost(a, -3, a, 5) == 0);
 }
 

@@ -165,23 +165,27 @@ void assert_sound(const tz_layout *l, const tz_exemplar *ex, int32_t n, double s
         const tz_placement *p = &l->place.v[k];
         assert_true(tz_affine_finite(p->map));
         /* turned, scaled, stretched a little, but not sheared */
-        const double along = hypot(p->map.a, p->map.b), across = hypot(p->map.c, p->map.d);
+        const double along = hypot(p->map.a, p->map.b),
+                     across = hypot(p->map.c, p->map.d);
         const double dot = p->map.a * p->map.c + p->map.b * p->map.d;
         if (fabs(dot) > 1e-9)
-            fail_msg("placement %d is sheared by %g: %g %g %g %g", k, dot, p->map.a, p->map.b,
-                     p->map.c, p->map.d);
-        assert_true(along > 0.2 && along < 5 && along / across > 0.9 && along / across < 1.11);
+            fail_msg("placement %d is sheared by %g: %g %g %g %g", k, dot, p->map.a,
+                     p->map.b, p->map.c, p->map.d);
+        assert_true(along > 0.2 && along < 5 && along / across > 0.9 &&
+                    along / across < 1.11);
         assert_in_range(p->source, 0, n - 1);
         assert_in_range(p->group, 0, ex[p->source].ebpt->group.n - 1);
-        assert_true(p->points >= 3 && p->border >= 0 && p->border + p->points <= l->border.n);
+        assert_true(p->points >= 3 && p->border >= 0 &&
+                    p->border + p->points <= l->border.n);
         assert_int_equal(p->medium, TZ_MEDIUM_EDGE_GROUP);
         assert_false(p->removed);
         const double w = ex[p->source].photo->width, h = ex[p->source].photo->height;
         for (int32_t i = p->border; i < p->border + p->points; i++) {
             const tz_point q = l->border.v[i];
             if (!(q.x >= -slack && q.y >= -slack && q.x <= w + slack && q.y <= h + slack))
-                fail_msg("placement %d: border point %g, %g lies outside the photo of %g x %g", k,
-                         (double)q.x, (double)q.y, w, h);
+                fail_msg(
+                    "placement %d: border point %g, %g lies outside the photo of %g x %g",
+                    k, (double)q.x, (double)q.y, w, h);
         }
     }
 }

@@ -10,8 +10,8 @@
 /* Uniform number of a lattice point. */
 static double at_point(uint64_t seed, int64_t x, int64_t y, uint64_t k)
 {
-    tz_rng r = tz_rng_make(seed, tz_rng_stream((uint64_t)(x + 100000),
-                                               (uint64_t)(y + 100000), k));
+    tz_rng r = tz_rng_make(
+        seed, tz_rng_stream((uint64_t)(x + 100000), (uint64_t)(y + 100000), k));
     return tz_rng_unit(&r);
 }
 
@@ -52,19 +52,14 @@ static double value(picture_kind kind, uint64_t seed, int32_t x, int32_t y, int3
 {
     const double grain = at_point(seed, x, y, 50 + (uint64_t)k);
     switch (kind) {
-    case PICTURE_NOISE:
-        return 0.05 + 0.9 * grain;
+    case PICTURE_NOISE: return 0.05 + 0.9 * grain;
     case PICTURE_SMOOTH:
         return 0.5 + 0.2 * sin(0.11 * x + k) * cos(0.07 * y - 2 * k) +
                0.2 * sin(0.05 * (x + y) + 3 * k);
-    case PICTURE_GRADIENT:
-        return 0.1 + 0.5 * (x + 0.5) / w + 0.3 * (y + 0.5) / h;
-    case PICTURE_STONES:
-        return stones(seed, x + 0.5, y + 0.5, k) + 0.04 * grain;
-    case PICTURE_BRICKS:
-        return bricks(seed, x + 0.5, y + 0.5, k) + 0.04 * grain;
-    default:
-        return 0.5;
+    case PICTURE_GRADIENT: return 0.1 + 0.5 * (x + 0.5) / w + 0.3 * (y + 0.5) / h;
+    case PICTURE_STONES: return stones(seed, x + 0.5, y + 0.5, k) + 0.04 * grain;
+    case PICTURE_BRICKS: return bricks(seed, x + 0.5, y + 0.5, k) + 0.04 * grain;
+    default: return 0.5;
     }
 }
 
@@ -109,7 +104,8 @@ double largest_difference(const tz_image *a, const tz_image *b)
     double most = 0;
     for (int32_t y = 0; y < a->height; y++)
         for (int64_t i = 0; i < (int64_t)a->width * a->channels; i++) {
-            const double d = fabs((double)tz_image_at(a, 0, y)[i] - tz_image_at(b, 0, y)[i]);
+            const double d =
+                fabs((double)tz_image_at(a, 0, y)[i] - tz_image_at(b, 0, y)[i]);
             if (isnan(d))
                 return INFINITY;
             most = d > most ? d : most;

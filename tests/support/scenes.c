@@ -60,13 +60,15 @@ void scene_random(tz_layout *l, int32_t n, uint64_t seed)
     const tz_layout_source *s = &l->source.v[0];
     const double w = s->width, h = s->height;
     /* a floor that leaves no void; on a torus one turn's worth is enough */
-    scene_window(l, 0, turned((tz_vec2){w / 2, h / 2}, (tz_vec2){l->width / 2.0, l->height / 2.0},
-                              11, 1.07, false),
+    scene_window(l, 0,
+                 turned((tz_vec2){w / 2, h / 2},
+                        (tz_vec2){l->width / 2.0, l->height / 2.0}, 11, 1.07, false),
                  (tz_rect){-8, -8, l->width + 16, l->height + 16});
     for (int32_t k = 0; k < n; k++) {
         tz_rng r = tz_rng_make(seed, (uint64_t)k);
         const double radius = tz_rng_range(&r, 6, 0.45 * fmin(w, h));
-        const tz_vec2 c = {tz_rng_range(&r, 0.3, 0.7) * w, tz_rng_range(&r, 0.3, 0.7) * h};
+        const tz_vec2 c = {tz_rng_range(&r, 0.3, 0.7) * w,
+                           tz_rng_range(&r, 0.3, 0.7) * h};
         const tz_vec2 to = {tz_rng_range(&r, -20, l->width + 20.0),
                             tz_rng_range(&r, -20, l->height + 20.0)};
         tz_point b[23];
@@ -75,10 +77,10 @@ void scene_random(tz_layout *l, int32_t n, uint64_t seed)
             b[i] = (tz_point){(float)(c.x + q * cos(a)), (float)(c.y + q * sin(a))};
         }
         const bool whole = tz_rng_below(&r, 4) == 0;
-        const tz_affine m = whole ? move_by(floor(to.x - c.x), floor(to.y - c.y))
-                                  : turned(c, to, tz_rng_range(&r, -180, 180),
-                                           tz_rng_range(&r, 0.6, 1.5),
-                                           tz_rng_below(&r, 2) == 0);
+        const tz_affine m =
+            whole ? move_by(floor(to.x - c.x), floor(to.y - c.y))
+                  : turned(c, to, tz_rng_range(&r, -180, 180), tz_rng_range(&r, 0.6, 1.5),
+                           tz_rng_below(&r, 2) == 0);
         assert_int_equal(tz_layout_add(l, 0, -1, m, b, 23, NULL), TZ_OK);
     }
 }

@@ -40,7 +40,8 @@ static void assert_covered(const tz_layout *l)
     const int64_t n = bare_pixels(l, &farthest);
     const double all = (double)l->width * l->height;
     if (farthest > 6 || n > 0.005 * all + 4)
-        fail_msg("%d of %.0f px are in no border, the farthest by %g px", (int)n, all, farthest);
+        fail_msg("%d of %.0f px are in no border, the farthest by %g px", (int)n, all,
+                 farthest);
 }
 
 static void test_covers(void **state)
@@ -50,7 +51,8 @@ static void test_covers(void **state)
     for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
         for (int tile = 0; tile < 2; tile++) {
             const arranged_source *s = k & 1 ? &bricks : &stones;
-            const tz_arrange_params p = arrange_params(sizes[k][0], sizes[k][1], 3 + k, tile);
+            const tz_arrange_params p =
+                arrange_params(sizes[k][0], sizes[k][1], 3 + k, tile);
             tz_layout l;
             arrange_one(ctx, s, NULL, &p, &l);
             assert_int_equal(l.width, sizes[k][0]);
@@ -61,10 +63,11 @@ static void test_covers(void **state)
             /* and the compositor knows a piece for every pixel */
             tz_composer *c = NULL;
             int32_t *label = malloc(sizeof *label * (size_t)l.width * (size_t)l.height);
-            assert_int_equal(tz_composer_new(ctx, &l, &s->photo, 1, TZ_MAP_COLOUR, NULL, &c),
-                             TZ_OK);
             assert_int_equal(
-                tz_composer_labels(ctx, c, (tz_rect){0, 0, l.width, l.height}, label), TZ_OK);
+                tz_composer_new(ctx, &l, &s->photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
+            assert_int_equal(
+                tz_composer_labels(ctx, c, (tz_rect){0, 0, l.width, l.height}, label),
+                TZ_OK);
             for (int32_t i = 0; i < l.width * l.height; i++)
                 assert_in_range(label[i], 0, l.place.n - 1);
             free(label);
@@ -82,8 +85,11 @@ static void test_deterministic(void **state)
         int32_t w, h;
         bool tile;
         double piece;
-    } cases[] = {{400, 380, false, 0}, {400, 380, true, 0}, {120, 2600, false, 32},
-                 {1000, 200, false, 40}, {200, 300, true, 30}};
+    } cases[] = {{400, 380, false, 0},
+                 {400, 380, true, 0},
+                 {120, 2600, false, 32},
+                 {1000, 200, false, 40},
+                 {200, 300, true, 30}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         tz_arrange_params p = arrange_params(cases[k].w, cases[k].h, 7, cases[k].tile);
         p.piece = cases[k].piece;
@@ -98,7 +104,8 @@ static void test_deterministic(void **state)
             if (t == 0)
                 first = h;
             else if (h != first)
-                fail_msg("case %d: %d threads give another layout than one", (int)k, threads[t]);
+                fail_msg("case %d: %d threads give another layout than one", (int)k,
+                         threads[t]);
             tz_layout_deinit(&l);
             tz_ctx_free(own);
         }
@@ -160,18 +167,21 @@ static void test_torus(void **state)
         double inside = 0, across = 0, down = 0, down_across = 0;
         for (int32_t y = 0; y < h; y++) {
             for (int32_t x = 1; x < w; x++)
-                inside += fabs(tz_image_at(&out, x, y)[1] - tz_image_at(&out, x - 1, y)[1]);
+                inside +=
+                    fabs(tz_image_at(&out, x, y)[1] - tz_image_at(&out, x - 1, y)[1]);
             across += fabs(tz_image_at(&out, 0, y)[1] - tz_image_at(&out, w - 1, y)[1]);
         }
         for (int32_t x = 0; x < w; x++) {
             for (int32_t y = 1; y < h; y++)
                 down += fabs(tz_image_at(&out, x, y)[1] - tz_image_at(&out, x, y - 1)[1]);
-            down_across += fabs(tz_image_at(&out, x, 0)[1] - tz_image_at(&out, x, h - 1)[1]);
+            down_across +=
+                fabs(tz_image_at(&out, x, 0)[1] - tz_image_at(&out, x, h - 1)[1]);
         }
         inside /= w - 1, down /= h - 1;
         if (across > 1.6 * inside || down_across > 1.6 * down)
-            fail_msg("%d x %d: steps across the wrap are %.2f and %.2f times those inside", w, h,
-                     across / inside, down_across / down);
+            fail_msg(
+                "%d x %d: steps across the wrap are %.2f and %.2f times those inside", w,
+                h, across / inside, down_across / down);
         tz_image_deinit(&out);
         tz_layout_deinit(&l);
     }

@@ -28,7 +28,8 @@ static void test_every_allocation_may_fail(void **state)
         bool done = false;
         for (int64_t n = 1; !done; n += n < 200 ? 1 : n / 16) {
             tz_ctx *poor = NULL;
-            if (tz_ctx_new(&(tz_ctx_options){.threads = threads, .fail_alloc = n}, &poor) != TZ_OK)
+            if (tz_ctx_new(&(tz_ctx_options){.threads = threads, .fail_alloc = n},
+                           &poor) != TZ_OK)
                 continue;
             tz_layout l = {0};
             const tz_status st = tz_arrange(poor, &s.exemplar, 1, NULL, &p, &l);
@@ -66,8 +67,8 @@ static void test_failure_keeps_the_layout(void **state)
         l.place.v[0].fixed = 1;
         const uint64_t before = layout_hash(&l);
         tz_ctx *other = NULL;
-        assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 1, .fail_alloc = n}, &other),
-                         TZ_OK);
+        assert_int_equal(
+            tz_ctx_new(&(tz_ctx_options){.threads = 1, .fail_alloc = n}, &other), TZ_OK);
         tz_arrange_params q = p;
         q.seed = 99;
         const tz_status st = tz_arrange(other, &s.exemplar, 1, NULL, &q, &l);
@@ -133,8 +134,8 @@ static void test_budget(void **state)
     int failed = 0;
     for (size_t budget = 1 << 12; budget <= 64 << 20; budget *= 4) {
         tz_ctx *poor = NULL;
-        assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 2, .memory = budget}, &poor),
-                         TZ_OK);
+        assert_int_equal(
+            tz_ctx_new(&(tz_ctx_options){.threads = 2, .memory = budget}, &poor), TZ_OK);
         tz_layout l = {0};
         const tz_status st = tz_arrange(poor, &s.exemplar, 1, NULL, &p, &l);
         assert_true(st == TZ_OK || st == TZ_NOMEM);

@@ -31,12 +31,14 @@ static int32_t check(tz_image photo, int32_t w, int32_t h, bool tile)
     p.effort = 1;
     arrange_one(ctx, &s, NULL, &p, &l);
     /* a piece may stick out of a photo that is smaller than any piece */
-    const int32_t shorter = s.photo.width < s.photo.height ? s.photo.width : s.photo.height;
+    const int32_t shorter =
+        s.photo.width < s.photo.height ? s.photo.width : s.photo.height;
     assert_sound(&l, &s.exemplar, 1, shorter < 16 ? 20 : 2);
     tz_image out = render_colour(ctx, &l, &s.photo, (tz_rect){0});
     assert_true(all_finite(&out));
     float lo = INFINITY, hi = -INFINITY;
-    for (int64_t i = 0; i < (int64_t)s.photo.width * s.photo.height * s.photo.channels; i++)
+    for (int64_t i = 0; i < (int64_t)s.photo.width * s.photo.height * s.photo.channels;
+         i++)
         lo = fminf(lo, s.photo.px[i]), hi = fmaxf(hi, s.photo.px[i]);
     for (int64_t i = 0; i < (int64_t)w * h * out.channels; i++)
         assert_true(out.px[i] >= lo && out.px[i] <= hi); /* no void, nothing made up */
@@ -109,11 +111,13 @@ static void test_tiny_photo_large_layout(void **state)
 static void test_odd_layouts(void **state)
 {
     (void)state;
-    static const int32_t sizes[][2] = {{1, 1}, {2, 3}, {1, 700}, {20000, 64}, {5, 5}, {64, 64}};
+    static const int32_t sizes[][2] = {{1, 1},      {2, 3}, {1, 700},
+                                       {20000, 64}, {5, 5}, {64, 64}};
     tz_ctx *ctx = new_ctx(2);
     for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
         for (int tile = 0; tile < 2; tile++)
-            check(picture(ctx, PICTURE_STONES, 160, 150, 3, 1), sizes[k][0], sizes[k][1], tile);
+            check(picture(ctx, PICTURE_STONES, 160, 150, 3, 1), sizes[k][0], sizes[k][1],
+                  tile);
     tz_ctx_free(ctx);
 }
 
@@ -145,8 +149,9 @@ static void test_odd_pieces(void **state)
 static void test_refused(void **state)
 {
     (void)state;
-    static const int32_t sizes[][2] = {{0, 10}, {10, 0}, {-1, 10}, {10, INT32_MIN},
-                                       {TZ_IMAGE_MAX_SIDE + 1, 10}, {10, INT32_MAX}};
+    static const int32_t sizes[][2] = {
+        {0, 10},        {10, 0}, {-1, 10}, {10, INT32_MIN}, {TZ_IMAGE_MAX_SIDE + 1, 10},
+        {10, INT32_MAX}};
     tz_ctx *ctx = new_ctx(1);
     arranged_source s;
     tz_layout l = {0};

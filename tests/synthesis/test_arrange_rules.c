@@ -35,10 +35,7 @@ static int tear_down(void **state)
 }
 
 /* The rule everywhere; may be changed through rule.v[0]. */
-static void everywhere(tz_rules *r)
-{
-    assert_int_equal(tz_rules_default(ctx, r), TZ_OK);
-}
+static void everywhere(tz_rules *r) { assert_int_equal(tz_rules_default(ctx, r), TZ_OK); }
 
 /* Adds a rule for the right half. */
 static tz_rule *right_half(tz_rules *r)
@@ -140,10 +137,12 @@ static void test_bins(void **state)
     (void)state;
     int tested = 0;
     for (int bin = 0; bin < 6; bin++) {
-        const uint32_t lengths = bin < 3 ? 1U << bin : ~0U, angles = bin < 3 ? ~0U : 1U << (bin - 3);
+        const uint32_t lengths = bin < 3 ? 1U << bin : ~0U,
+                       angles = bin < 3 ? ~0U : 1U << (bin - 3);
         int32_t usable = 0;
         for (int32_t g = 0; g < bricks.ebpt.group.n; g++)
-            usable += in_bins(&bricks.ebpt, g, lengths, angles) && !bricks.ebpt.group.v[g].cut;
+            usable +=
+                in_bins(&bricks.ebpt, g, lengths, angles) && !bricks.ebpt.group.v[g].cut;
         if (usable < 3)
             continue;
         tz_rules r;
@@ -155,7 +154,8 @@ static void test_bins(void **state)
         arrange_one(ctx, &bricks, &r, &p, &l);
         for (int32_t k = 0; k < l.place.n; k++)
             if (!in_bins(&bricks.ebpt, l.place.v[k].group, lengths, angles))
-                fail_msg("bins %x, %x: group %d is placed", lengths, angles, l.place.v[k].group);
+                fail_msg("bins %x, %x: group %d is placed", lengths, angles,
+                         l.place.v[k].group);
         tested++;
         tz_layout_deinit(&l);
         tz_rules_deinit(&r);
@@ -205,7 +205,8 @@ static void test_fixed_angle(void **state)
             bool mirror;
             map_parts(l.place.v[i].map, &angle, &scale, &mirror);
             if (off(angle, angles[k], mirror) > 1e-6)
-                fail_msg("placement %d is turned by %g where %g is asked for", i, angle, angles[k]);
+                fail_msg("placement %d is turned by %g where %g is asked for", i, angle,
+                         angles[k]);
         }
         tz_layout_deinit(&l);
         tz_rules_deinit(&r);
@@ -264,8 +265,10 @@ static void test_angle_by_region(void **state)
             continue; /* chosen for a point of either side */
         const bool right = x > W / 2.0;
         count[right]++;
-        if (off(angle, right ? 1.2 : 0, false) > 1e-6 || (right && fabs(scale - 1.3) > 1e-6))
-            fail_msg("placement %d at x = %g is turned by %g, scaled by %g", i, x, angle, scale);
+        if (off(angle, right ? 1.2 : 0, false) > 1e-6 ||
+            (right && fabs(scale - 1.3) > 1e-6))
+            fail_msg("placement %d at x = %g is turned by %g, scaled by %g", i, x, angle,
+                     scale);
     }
     assert_true(count[0] > 2 && count[1] > 2);
     tz_layout_deinit(&l);
@@ -286,7 +289,8 @@ static void test_rotation_field(void **state)
                 const double a = TZ_PI * (x + 0.5) / 64; /* half a turn over the width */
                 float *v = tz_image_at(&field, x, y);
                 if (vector)
-                    v[0] = (float)(0.5 + 0.5 * cos(a)), v[1] = (float)(0.5 + 0.5 * sin(a));
+                    v[0] = (float)(0.5 + 0.5 * cos(a)),
+                    v[1] = (float)(0.5 + 0.5 * sin(a));
                 else
                     v[0] = (float)(a / 2 / TZ_PI);
             }
@@ -335,7 +339,8 @@ static void test_source_by_region(void **state)
             if (fabs(x) < 80 + (feather ? 60 : 0))
                 continue;
             if (l.place.v[i].source != (x > 0))
-                fail_msg("a piece of photo %d lies %g px across the border", l.place.v[i].source, x);
+                fail_msg("a piece of photo %d lies %g px across the border",
+                         l.place.v[i].source, x);
         }
         assert_true(count[0] > 3 && count[1] > 3);
         tz_layout_deinit(&l);
@@ -389,15 +394,17 @@ static void test_structures_cover(void **state)
         arrange_one(ctx, &stones, &r, &p, &l);
         assert_sound(&l, &stones.exemplar, 1, 2);
         double farthest;
-        assert_in_range(bare_pixels(&l, &farthest), 0, 600);
-        assert_true(farthest <= 6);
+        const int64_t bare = bare_pixels(&l, &farthest);
+        /* specks of a pixel or two along the borders, and grains have more of these */
+        const double most = structures[k] == TZ_STRUCTURE_GRANULAR ? 0.03 : 0.005;
+        if (farthest > 6 || bare > most * 400 * 300)
+            fail_msg("structure %d: %d of %d px are in no border, the farthest by %g px",
+                     k, (int)bare, 400 * 300, farthest);
         hash[k] = layout_hash(&l);
         tz_layout_deinit(&l);
         tz_rules_deinit(&r);
     }
-    assert_true(hash[0] != hash[1] && hash[1] != hash[2]);
-    if (hash[0] == hash[2]) /* granular is not told apart yet */
-        skip();
+    assert_true(hash[0] != hash[1] && hash[1] != hash[2] && hash[0] != hash[2]);
 }
 
 /* Twice the density: more pieces, and smaller. */
@@ -416,8 +423,6 @@ static void test_density(void **state)
         tz_layout_deinit(&l);
         tz_rules_deinit(&r);
     }
-    if (count[1] == count[0]) /* density is read but not used yet */
-        skip();
     if (!(count[1] > 1.5 * count[0]))
         fail_msg("%d pieces at density 3, %d at density 1", count[1], count[0]);
 }
@@ -426,9 +431,16 @@ static void test_density(void **state)
 static void test_presets(void **state)
 {
     (void)state;
-    static const char *const names[] = {
-        "angle-by-region", "as-exemplar", "fine-gravel", "fixed-angle", "long-edges",
-        "random-and-granular", "swirl", "two-sources", "wind", "patches-of-second-source"};
+    static const char *const names[] = {"angle-by-region",
+                                        "as-exemplar",
+                                        "fine-gravel",
+                                        "fixed-angle",
+                                        "long-edges",
+                                        "random-and-granular",
+                                        "swirl",
+                                        "two-sources",
+                                        "wind",
+                                        "patches-of-second-source"};
     const tz_exemplar ex[2] = {stones.exemplar, bricks.exemplar};
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
         char path[256];
@@ -451,12 +463,18 @@ static void test_presets(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whitelist),       cmocka_unit_test(test_size_limits),
-        cmocka_unit_test(test_bins),            cmocka_unit_test(test_impossible_rule),
-        cmocka_unit_test(test_fixed_angle),     cmocka_unit_test(test_rotation_and_scale_range),
-        cmocka_unit_test(test_angle_by_region), cmocka_unit_test(test_rotation_field),
-        cmocka_unit_test(test_source_by_region), cmocka_unit_test(test_source_by_mask),
-        cmocka_unit_test(test_structures_cover), cmocka_unit_test(test_density),
+        cmocka_unit_test(test_whitelist),
+        cmocka_unit_test(test_size_limits),
+        cmocka_unit_test(test_bins),
+        cmocka_unit_test(test_impossible_rule),
+        cmocka_unit_test(test_fixed_angle),
+        cmocka_unit_test(test_rotation_and_scale_range),
+        cmocka_unit_test(test_angle_by_region),
+        cmocka_unit_test(test_rotation_field),
+        cmocka_unit_test(test_source_by_region),
+        cmocka_unit_test(test_source_by_mask),
+        cmocka_unit_test(test_structures_cover),
+        cmocka_unit_test(test_density),
         cmocka_unit_test(test_presets),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

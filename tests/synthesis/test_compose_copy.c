@@ -57,11 +57,12 @@ static void test_whole_pixels(void **state)
         tz_image out = render(ctx, &l, &photo, 1, TZ_MAP_COLOUR, &p, all);
         if (clone) { /* nothing is corrected: every texel is the photo's */
             for (int32_t y = 0; y < 37; y++)
-                assert_memory_equal(tz_image_at(&out, 18, 38 + y), tz_image_at(&photo, 5, 7 + y),
+                assert_memory_equal(tz_image_at(&out, 18, 38 + y),
+                                    tz_image_at(&photo, 5, 7 + y),
                                     35 * 3 * sizeof(float));
             for (int32_t y = 0; y < 60; y++)
-                assert_memory_equal(tz_image_at(&out, 150, 90 + y), tz_image_at(&photo, 0, y),
-                                    70 * 3 * sizeof(float));
+                assert_memory_equal(tz_image_at(&out, 150, 90 + y),
+                                    tz_image_at(&photo, 0, y), 70 * 3 * sizeof(float));
         }
         assert_true(all_finite(&out));
         tz_image_deinit(&out);
@@ -110,8 +111,9 @@ static void test_quarter_turns(void **state)
             tz_image photo = picture(ctx, PICTURE_SMOOTH, W, H, 3, 5);
             tz_layout l;
             scene_init(ctx, &l, w, h, false, W, H);
-            const tz_affine m = turned((tz_vec2){W / 2.0, H / 2.0}, (tz_vec2){w / 2.0, h / 2.0},
-                                       90 * quarter, 1, mirror);
+            const tz_affine m =
+                turned((tz_vec2){W / 2.0, H / 2.0}, (tz_vec2){w / 2.0, h / 2.0},
+                       90 * quarter, 1, mirror);
             scene_window(&l, 0, m, (tz_rect){0, 0, w, h});
             tz_image out = render_colour(ctx, &l, &photo, all);
             double worst = 0;
@@ -143,9 +145,11 @@ static void test_quarter_turns(void **state)
 static void test_small_photos(void **state)
 {
     (void)state;
-    static const int32_t sizes[][2] = {{1, 1}, {1, 4}, {2, 2}, {3, 5}, {7, 9}, {15, 16}, {40, 33}};
+    static const int32_t sizes[][2] = {{1, 1}, {1, 4},   {2, 2},  {3, 5},
+                                       {7, 9}, {15, 16}, {40, 33}};
     for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
-        const int32_t w = sizes[k][0], h = sizes[k][1], turns = 2 * (40 / (w < h ? w : h) / 2) + 2;
+        const int32_t w = sizes[k][0], h = sizes[k][1],
+                      turns = 2 * (40 / (w < h ? w : h) / 2) + 2;
         tz_ctx *ctx = new_ctx(1);
         tz_image photo = picture(ctx, PICTURE_NOISE, w, h, 1, 5);
         tz_image large = blank(ctx, (2 * turns + 1) * w, (2 * turns + 1) * h, 1);
@@ -198,8 +202,8 @@ static void test_smooth_resampling(void **state)
             for (int32_t x = 0; x < 90; x++) {
                 const tz_vec2 p = tz_affine_apply(inverse, (tz_vec2){x + 0.5, y + 0.5});
                 const double u = p.x - 0.5, v = p.y - 0.5;
-                double want = 0.5 + 0.2 * sin(0.11 * u) * cos(0.07 * v) +
-                              0.2 * sin(0.05 * (u + v));
+                double want =
+                    0.5 + 0.2 * sin(0.11 * u) * cos(0.07 * v) + 0.2 * sin(0.05 * (u + v));
                 want = fmin(fmax(want, lo), hi); /* the photo's range is kept */
                 assert_float_equal(tz_image_at(&out, x, y)[0], want, 2e-3);
             }
@@ -225,8 +229,10 @@ static void test_order(void **state)
     tz_composer *c = NULL;
     int32_t label[60 * 60];
     for (int round = 0; round < 2; round++) {
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
-        assert_int_equal(tz_composer_labels(ctx, c, (tz_rect){0, 0, 60, 60}, label), TZ_OK);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_OK);
+        assert_int_equal(tz_composer_labels(ctx, c, (tz_rect){0, 0, 60, 60}, label),
+                         TZ_OK);
         assert_int_equal(label[0], 0);
         assert_int_equal(label[9 * 60 + 9], 0);
         assert_int_equal(label[10 * 60 + 10], round ? 0 : 1);
@@ -253,11 +259,12 @@ static void test_void(void **state)
         scene_init(ctx, &l, W, H, tile, 60, 60);
         tz_rng r = tz_rng_make(3, 3);
         for (int k = 0; k < N; k++)
-            scene_box(&l, 0, move_by(tz_rng_below(&r, W - 30), tz_rng_below(&r, H - 30)), 0, 0,
-                      10 + tz_rng_below(&r, 20), 10 + tz_rng_below(&r, 20));
+            scene_box(&l, 0, move_by(tz_rng_below(&r, W - 30), tz_rng_below(&r, H - 30)),
+                      0, 0, 10 + tz_rng_below(&r, 20), 10 + tz_rng_below(&r, 20));
         tz_composer *c = NULL;
         static int32_t label[W * H];
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_OK);
         assert_int_equal(tz_composer_labels(ctx, c, (tz_rect){0, 0, W, H}, label), TZ_OK);
         for (int32_t y = 0; y < H; y += 3)
             for (int32_t x = 0; x < W; x += 3) {
@@ -270,7 +277,8 @@ static void test_void(void **state)
                     for (int t = 0; t < 9; t++) {
                         if (!tile && t != 4)
                             continue;
-                        const double px = x + 0.5 + (t % 3 - 1) * W, py = y + 0.5 + (t / 3 - 1) * H;
+                        const double px = x + 0.5 + (t % 3 - 1) * W,
+                                     py = y + 0.5 + (t / 3 - 1) * H;
                         const double dx = fmax(fmax(b.x - px, px - b.x - b.w), 0);
                         const double dy = fmax(fmax(b.y - py, py - b.y - b.h), 0);
                         distance[k] = fmin(distance[k], hypot(dx, dy));
@@ -279,8 +287,9 @@ static void test_void(void **state)
                 }
                 /* on a torus a copy is told by its centre: a hair's breadth may differ */
                 if (distance[got] > least + 1e-9)
-                    fail_msg("tile %d: %d,%d shows piece %d at %g px, another is at %g px", tile, x,
-                             y, got, distance[got], least);
+                    fail_msg(
+                        "tile %d: %d,%d shows piece %d at %g px, another is at %g px",
+                        tile, x, y, got, distance[got], least);
             }
         tz_composer_free(c);
         tz_image_deinit(&photo);
@@ -339,19 +348,19 @@ static void test_odd_maps(void **state)
 {
     (void)state;
     static const tz_affine maps[] = {
-        {1e-3, 0, 0, 1e-3, 50, 50},         /* a speck */
-        {1e-6, 0, 0, 1e-6, 50.5, 50.5},     /* under one pixel */
-        {1e4, 0, 0, 1e4, -2e5, -1e5},       /* one texel fills the layout */
-        {1e9, 0, 0, 1e9, -1e10, -1e10},     /* beyond int32 */
+        {1e-3, 0, 0, 1e-3, 50, 50},     /* a speck */
+        {1e-6, 0, 0, 1e-6, 50.5, 50.5}, /* under one pixel */
+        {1e4, 0, 0, 1e4, -2e5, -1e5},   /* one texel fills the layout */
+        {1e9, 0, 0, 1e9, -1e10, -1e10}, /* beyond int32 */
         {1e13, 0, 0, 1e13, -1e14, -1e14},
-        {1, 0, 3, 1, -40, 10},              /* sheared */
-        {1, 0.999999, 1, 1, 0, 0},          /* nearly flat */
-        {-1, 0, 0, 1, 60, 20},              /* mirrored */
+        {1, 0, 3, 1, -40, 10},     /* sheared */
+        {1, 0.999999, 1, 1, 0, 0}, /* nearly flat */
+        {-1, 0, 0, 1, 60, 20},     /* mirrored */
         {1, 0, 0, -1, 20, 60},
-        {0, 1, 1, 0, 10, 10},               /* mirrored about the diagonal */
-        {50, 0, 0, 0.02, 0, 50},            /* a long streak */
-        {1, 0, 0, 1, 1e7, -1e7},            /* far away */
-        {1, 0, 0, 1, -39.5, 0},             /* half outside */
+        {0, 1, 1, 0, 10, 10},    /* mirrored about the diagonal */
+        {50, 0, 0, 0.02, 0, 50}, /* a long streak */
+        {1, 0, 0, 1, 1e7, -1e7}, /* far away */
+        {1, 0, 0, 1, -39.5, 0},  /* half outside */
         {1, 0, 0, 1, 0.1, 0.3},
     };
     for (size_t k = 0; k < sizeof maps / sizeof maps[0]; k++)
@@ -365,8 +374,9 @@ static void test_odd_maps(void **state)
             const double det = fabs(tz_affine_det(maps[k]));
             if (tile && det > 1e6) { /* wraps too often to be drawn */
                 tz_composer *c = NULL;
-                assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
-                                 TZ_INVALID);
+                assert_int_equal(
+                    tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                    TZ_INVALID);
                 assert_non_null(strstr(tz_ctx_message(ctx), "placement 1"));
                 tz_image_deinit(&photo);
                 tz_layout_deinit(&l);
@@ -393,9 +403,10 @@ static void test_odd_maps(void **state)
                 for (int32_t i = 0; i < 120 * 100; i++)
                     if (label[i] !=
                         tz_layout_at(&l, (tz_vec2){i % 120 + 0.5, i / 120 + 0.5}))
-                        fail_msg("map %d, tile %d: label %d at %d, %d, layout says %d", (int)k,
-                                 tile, label[i], i % 120, i / 120,
-                                 tz_layout_at(&l, (tz_vec2){i % 120 + 0.5, i / 120 + 0.5}));
+                        fail_msg(
+                            "map %d, tile %d: label %d at %d, %d, layout says %d", (int)k,
+                            tile, label[i], i % 120, i / 120,
+                            tz_layout_at(&l, (tz_vec2){i % 120 + 0.5, i / 120 + 0.5}));
             if (det > 1e6)
                 assert_int_equal(label[60], id);
             tz_composer_free(c);
@@ -409,8 +420,9 @@ static void test_odd_maps(void **state)
 static void test_absurd_maps(void **state)
 {
     (void)state;
-    static const tz_affine maps[] = {
-        {1e30, 0, 0, 1e30, 1e30, -1e30}, {1, 0, 0, 1, 1e300, 0}, {1e308, 0, 0, 1e308, 0, 0}};
+    static const tz_affine maps[] = {{1e30, 0, 0, 1e30, 1e30, -1e30},
+                                     {1, 0, 0, 1, 1e300, 0},
+                                     {1e308, 0, 0, 1e308, 0, 0}};
     for (size_t k = 0; k < sizeof maps / sizeof maps[0]; k++)
         for (int tile = 0; tile < 2; tile++) {
             tz_ctx *ctx = new_ctx(1);
@@ -424,7 +436,8 @@ static void test_absurd_maps(void **state)
                 s = tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c);
             if (s == TZ_OK) {
                 tz_image out = blank(ctx, 50, 40, 3);
-                assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 50, 40}, &out), TZ_OK);
+                assert_int_equal(
+                    tz_composer_render(ctx, c, (tz_rect){0, 0, 50, 40}, &out), TZ_OK);
                 assert_true(all_finite(&out));
                 tz_image_deinit(&out);
             } else {
@@ -440,9 +453,9 @@ static void test_absurd_maps(void **state)
 static void test_no_inverse(void **state)
 {
     (void)state;
-    static const tz_affine maps[] = {{0, 0, 0, 0, 0, 0},         {1, 1, 1, 1, 0, 0},
-                                     {NAN, 0, 0, 1, 0, 0},       {1, 0, 0, 1, INFINITY, 0},
-                                     {1e-13, 0, 0, 1e-13, 0, 0}, {1, 0, 0, 0, 0, 0}};
+    static const tz_affine maps[] = {
+        {0, 0, 0, 0, 0, 0},        {1, 1, 1, 1, 0, 0},         {NAN, 0, 0, 1, 0, 0},
+        {1, 0, 0, 1, INFINITY, 0}, {1e-13, 0, 0, 1e-13, 0, 0}, {1, 0, 0, 0, 0, 0}};
     tz_ctx *ctx = new_ctx(1);
     tz_image photo = picture(ctx, PICTURE_NOISE, 20, 20, 3, 1);
     for (size_t k = 0; k < sizeof maps / sizeof maps[0]; k++) {
@@ -451,12 +464,14 @@ static void test_no_inverse(void **state)
         const int32_t id = scene_box(&l, 0, move_by(0, 0), 0, 0, 20, 20);
         l.place.v[id].map = maps[k]; /* past the layout's own check */
         tz_composer *c = NULL;
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_INVALID);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_INVALID);
         assert_null(c);
         assert_non_null(strstr(tz_ctx_message(ctx), "placement 0"));
         tz_ctx_clear(ctx);
         l.place.v[id].removed = 1; /* what is left out may be anything */
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_OK);
         tz_composer_free(c);
         tz_layout_deinit(&l);
     }
@@ -479,8 +494,8 @@ static void test_combs(void **state)
         b[k] = (tz_point){2.13F * (float)k + 3, k & 1 ? 55 : 5};
     b[2 * TEETH] = (tz_point){399, 57};
     b[2 * TEETH + 1] = (tz_point){1, 57};
-    assert_int_equal(tz_layout_add(&l, 0, -1, tz_affine_identity(), b, 2 * TEETH + 2, NULL),
-                     TZ_OK);
+    assert_int_equal(
+        tz_layout_add(&l, 0, -1, tz_affine_identity(), b, 2 * TEETH + 2, NULL), TZ_OK);
     tz_composer *c = NULL;
     static int32_t label[W * H];
     assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);

@@ -16,7 +16,8 @@
 
 static const int thread_counts[] = {1, 2, 8};
 
-static void assert_crop(tz_ctx *ctx, const tz_composer *c, const tz_image *whole, tz_rect r)
+static void assert_crop(tz_ctx *ctx, const tz_composer *c, const tz_image *whole,
+                        tz_rect r)
 {
     tz_image out = blank(ctx, r.w, r.h, whole->channels);
     assert_int_equal(tz_composer_render(ctx, c, r, &out), TZ_OK);
@@ -24,7 +25,8 @@ static void assert_crop(tz_ctx *ctx, const tz_composer *c, const tz_image *whole
     const int64_t wrong = pixels_that_differ(&out, &part);
     if (wrong)
         fail_msg("%d of %d px of crop %d,%d,%d,%d differ from the whole, by up to %g",
-                 (int)wrong, r.w * r.h, r.x, r.y, r.w, r.h, largest_difference(&out, &part));
+                 (int)wrong, r.w * r.h, r.x, r.y, r.w, r.h,
+                 largest_difference(&out, &part));
     tz_image_deinit(&out);
 }
 
@@ -90,7 +92,8 @@ static void test_crops_on_a_torus(void **state)
 static void test_thin_and_tiny(void **state)
 {
     (void)state;
-    static const int32_t sizes[][2] = {{1, 1}, {3, 5}, {5000, 1}, {1, 2000}, {16, 16}, {17, 513}};
+    static const int32_t sizes[][2] = {{1, 1},    {3, 5},   {5000, 1},
+                                       {1, 2000}, {16, 16}, {17, 513}};
     for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
         for (int tile = 0; tile < 2; tile++)
             check_crops(sizes[k][0], sizes[k][1], tile, 3, 12, TZ_MAP_COLOUR);
@@ -107,15 +110,18 @@ static void test_crops_with_void(void **state)
         scene_init(ctx, &l, 531, 402, tile, 90, 90);
         tz_rng r = tz_rng_make(4, 4);
         for (int k = 0; k < 9; k++)
-            scene_box(&l, 0,
-                      turned((tz_vec2){45, 45},
-                             (tz_vec2){tz_rng_range(&r, 0, 531), tz_rng_range(&r, 0, 402)},
-                             tz_rng_range(&r, 0, 360), 1, false),
-                      20, 30, 70, 60);
+            scene_box(
+                &l, 0,
+                turned((tz_vec2){45, 45},
+                       (tz_vec2){tz_rng_range(&r, 0, 531), tz_rng_range(&r, 0, 402)},
+                       tz_rng_range(&r, 0, 360), 1, false),
+                20, 30, 70, 60);
         tz_composer *c = NULL;
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_OK);
         tz_image whole = blank(ctx, 531, 402, 3);
-        assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 531, 402}, &whole), TZ_OK);
+        assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 531, 402}, &whole),
+                         TZ_OK);
         for (int k = 0; k < 20; k++) {
             tz_rect q = {tz_rng_below(&r, 531), tz_rng_below(&r, 402), 1, 1};
             q.w = 1 + tz_rng_below(&r, 531 - q.x);
@@ -142,14 +148,17 @@ static void test_labels(void **state)
         scene_init(ctx, &l, W, H, tile, 80, 70);
         scene_random(&l, 40, 12);
         tz_composer *c = NULL;
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
-        int32_t *label = malloc(sizeof *label * W * H), *part = malloc(sizeof *part * W * H);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_OK);
+        int32_t *label = malloc(sizeof *label * W * H),
+                *part = malloc(sizeof *part * W * H);
         assert_int_equal(tz_composer_labels(ctx, c, (tz_rect){0, 0, W, H}, label), TZ_OK);
         for (int32_t y = 0; y < H; y++)
             for (int32_t x = 0; x < W; x++)
                 if (label[y * W + x] != tz_layout_at(&l, (tz_vec2){x + 0.5, y + 0.5}))
                     fail_msg("%d,%d (tile %d): label %d, layout %d", x, y, tile,
-                             label[y * W + x], tz_layout_at(&l, (tz_vec2){x + 0.5, y + 0.5}));
+                             label[y * W + x],
+                             tz_layout_at(&l, (tz_vec2){x + 0.5, y + 0.5}));
         const tz_rect r = {31, 57, 113, 64};
         assert_int_equal(tz_composer_labels(ctx, c, r, part), TZ_OK);
         for (int32_t y = 0; y < r.h; y++)
@@ -174,10 +183,10 @@ static void test_bad_crops(void **state)
     scene_box(&l, 0, move_by(0, 0), 0, 0, 20, 20);
     tz_composer *c = NULL;
     assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
-    static const tz_rect bad[] = {{0, 0, 0, 0},   {0, 0, 101, 1}, {-1, 0, 5, 5},
-                                  {0, -1, 5, 5},  {96, 0, 5, 5},  {0, 46, 5, 5},
-                                  {100, 0, 1, 1}, {5, 5, -3, 4},  {INT32_MAX, 0, 5, 5},
-                                  {0, INT32_MIN, 5, 5}};
+    static const tz_rect bad[] = {
+        {0, 0, 0, 0},         {0, 0, 101, 1},      {-1, 0, 5, 5},  {0, -1, 5, 5},
+        {96, 0, 5, 5},        {0, 46, 5, 5},       {100, 0, 1, 1}, {5, 5, -3, 4},
+        {INT32_MAX, 0, 5, 5}, {0, INT32_MIN, 5, 5}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         const tz_rect r = bad[k];
         tz_image out = blank(ctx, r.w > 0 ? r.w : 1, r.h > 0 ? r.h : 1, 3);
@@ -187,8 +196,10 @@ static void test_bad_crops(void **state)
         tz_image_deinit(&out);
     }
     tz_image out = blank(ctx, 10, 10, 4); /* another channel count, another size */
-    assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 10, 10}, &out), TZ_INVALID);
-    assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 11, 10}, &out), TZ_INVALID);
+    assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 10, 10}, &out),
+                     TZ_INVALID);
+    assert_int_equal(tz_composer_render(ctx, c, (tz_rect){0, 0, 11, 10}, &out),
+                     TZ_INVALID);
     tz_image_deinit(&out);
     tz_composer_free(c);
     tz_composer_free(NULL);
@@ -200,9 +211,9 @@ static void test_bad_crops(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_crops),           cmocka_unit_test(test_crops_on_a_torus),
-        cmocka_unit_test(test_thin_and_tiny),   cmocka_unit_test(test_crops_with_void),
-        cmocka_unit_test(test_labels),          cmocka_unit_test(test_bad_crops),
+        cmocka_unit_test(test_crops),         cmocka_unit_test(test_crops_on_a_torus),
+        cmocka_unit_test(test_thin_and_tiny), cmocka_unit_test(test_crops_with_void),
+        cmocka_unit_test(test_labels),        cmocka_unit_test(test_bad_crops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,10 @@
 #include "tests/support/pictures.h"
 #include "tests/support/scenes.h"
 
-static tz_rect whole_of(const tz_layout *l) { return (tz_rect){0, 0, l->width, l->height}; }
+static tz_rect whole_of(const tz_layout *l)
+{
+    return (tz_rect){0, 0, l->width, l->height};
+}
 
 static void copy_into(tz_image *to, const tz_image *part, tz_rect r)
 {
@@ -31,7 +34,8 @@ static void refresh(tz_ctx *ctx, const tz_layout *l, const tz_image *photo, tz_r
     if (tz_rect_empty(dirty))
         return;
     const int32_t reach = tz_composer_reach();
-    tz_rect r = {dirty.x - reach, dirty.y - reach, dirty.w + 2 * reach, dirty.h + 2 * reach};
+    tz_rect r = {dirty.x - reach, dirty.y - reach, dirty.w + 2 * reach,
+                 dirty.h + 2 * reach};
     for (int j = -1; j <= 1; j++)
         for (int i = -1; i <= 1; i++) {
             if (!l->tile && (i || j))
@@ -55,30 +59,25 @@ static void random_edit(tz_layout_edit *e, const tz_layout *l, tz_rng *r, tz_rec
         return;
     switch (tz_rng_below(r, 7)) {
     case 0:
-        s = tz_layout_edit_move(e, id, (tz_vec2){tz_rng_range(r, -60, 60), tz_rng_range(r, -60, 60)},
-                                dirty);
+        s = tz_layout_edit_move(
+            e, id, (tz_vec2){tz_rng_range(r, -60, 60), tz_rng_range(r, -60, 60)}, dirty);
         break;
-    case 1:
-        s = tz_layout_edit_rotate(e, id, tz_rng_range(r, -3, 3), dirty);
-        break;
-    case 2:
-        s = tz_layout_edit_scale(e, id, tz_rng_range(r, 0.5, 1.6), dirty);
-        break;
-    case 3:
-        s = tz_layout_edit_remove(e, id, dirty);
-        break;
+    case 1: s = tz_layout_edit_rotate(e, id, tz_rng_range(r, -3, 3), dirty); break;
+    case 2: s = tz_layout_edit_scale(e, id, tz_rng_range(r, 0.5, 1.6), dirty); break;
+    case 3: s = tz_layout_edit_remove(e, id, dirty); break;
     case 4:
-        s = tz_layout_edit_map(e, id,
-                               turned((tz_vec2){60, 50},
-                                      (tz_vec2){tz_rng_below(r, l->width), tz_rng_below(r, l->height)},
-                                      30, 1, true),
-                               dirty);
+        s = tz_layout_edit_map(
+            e, id,
+            turned((tz_vec2){60, 50},
+                   (tz_vec2){tz_rng_below(r, l->width), tz_rng_below(r, l->height)}, 30,
+                   1, true),
+            dirty);
         break;
     case 5: {
         const tz_point b[] = {{20, 20}, {90, 30}, {60, 90}};
-        s = tz_layout_edit_place(e, 0, -1,
-                                 move_by(tz_rng_below(r, l->width), tz_rng_below(r, l->height)), b,
-                                 3, NULL, dirty);
+        s = tz_layout_edit_place(
+            e, 0, -1, move_by(tz_rng_below(r, l->width), tz_rng_below(r, l->height)), b,
+            3, NULL, dirty);
         break;
     }
     default:
@@ -109,8 +108,8 @@ static void check_edits(bool tile, int32_t w, int32_t h, int rounds)
         tz_image again = render_colour(ctx, &l, &photo, (tz_rect){0});
         const int64_t wrong = pixels_that_differ(&shown, &again);
         if (wrong)
-            fail_msg("edit %d: %d px differ, dirty %d,%d,%d,%d", k, (int)wrong, dirty.x, dirty.y,
-                     dirty.w, dirty.h);
+            fail_msg("edit %d: %d px differ, dirty %d,%d,%d,%d", k, (int)wrong, dirty.x,
+                     dirty.y, dirty.w, dirty.h);
         changed += pixels_that_differ(&again, &first) != 0;
         tz_image_deinit(&again);
     }

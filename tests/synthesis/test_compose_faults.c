@@ -25,15 +25,17 @@ static void test_every_allocation_may_fail(void **state)
     tz_layout l;
     scene_init(ctx, &l, 600, 130, true, 60, 60);
     for (int k = 0; k < 12; k++) /* with void between them */
-        scene_box(&l, 0, turned((tz_vec2){30, 30}, (tz_vec2){50 * k, 60}, 30 * k, 1, false), 8, 8,
-                  52, 52);
+        scene_box(&l, 0,
+                  turned((tz_vec2){30, 30}, (tz_vec2){50 * k, 60}, 30 * k, 1, false), 8,
+                  8, 52, 52);
     tz_image want = render_colour(ctx, &l, &photo, (tz_rect){0});
     for (int threads = 1; threads <= 2; threads++) {
         bool done = false;
         int64_t n = 1;
         for (; !done && n < 5000; n++) {
             tz_ctx *poor = NULL;
-            if (tz_ctx_new(&(tz_ctx_options){.threads = threads, .fail_alloc = n}, &poor) != TZ_OK)
+            if (tz_ctx_new(&(tz_ctx_options){.threads = threads, .fail_alloc = n},
+                           &poor) != TZ_OK)
                 continue;
             tz_composer *c = NULL;
             tz_image out = blank(ctx, 600, 130, 3);
@@ -83,7 +85,8 @@ static void test_cancel(void **state)
     for (int before = 0; before < 2; before++) {
         canceller user = {0};
         tz_ctx *ctx = NULL;
-        assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 2, .on_progress = on_progress,
+        assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 2,
+                                                      .on_progress = on_progress,
                                                       .user = &user},
                                     &ctx),
                          TZ_OK);
@@ -93,7 +96,8 @@ static void test_cancel(void **state)
         scene_init(ctx, &l, 3000, 3000, false, 100, 100);
         scene_random(&l, 400, 1);
         tz_composer *c = NULL;
-        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
+        assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c),
+                         TZ_OK);
         tz_image out = blank(ctx, 3000, 3000, 3);
         if (before)
             tz_ctx_cancel(ctx);
@@ -105,7 +109,8 @@ static void test_cancel(void **state)
         /* and afterwards it works again */
         tz_ctx_clear(ctx);
         tz_image part = blank(ctx, 20, 20, 3);
-        assert_int_equal(tz_composer_render(ctx, c, (tz_rect){9, 9, 20, 20}, &part), TZ_OK);
+        assert_int_equal(tz_composer_render(ctx, c, (tz_rect){9, 9, 20, 20}, &part),
+                         TZ_OK);
         tz_image_deinit(&part);
         tz_image_deinit(&out);
         tz_composer_free(c);
@@ -120,7 +125,8 @@ static void test_cancel(void **state)
 static void temporary(char *path, size_t size, const char *name)
 {
     const char *folder = getenv("TMPDIR");
-    snprintf(path, size, "%s/terrazzo-test-%d-%s", folder ? folder : "/tmp", (int)getpid(), name);
+    snprintf(path, size, "%s/terrazzo-test-%d-%s", folder ? folder : "/tmp",
+             (int)getpid(), name);
 }
 
 /* A stream in strips has the pixels of a picture in one piece, and stays in its budget. */
@@ -132,7 +138,8 @@ static void test_stream(void **state)
     char path[512];
     temporary(path, sizeof path, "stream.exr");
     tz_ctx *rich = new_ctx(2), *poor = NULL;
-    assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 2, .memory = budget}, &poor), TZ_OK);
+    assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 2, .memory = budget}, &poor),
+                     TZ_OK);
     tz_image photo = picture(rich, PICTURE_STONES, 100, 90, 3, 1);
     tz_layout l;
     scene_init(rich, &l, W, H, false, 100, 90);
@@ -177,8 +184,8 @@ static void test_stream_without_memory(void **state)
     for (size_t budget = 100 << 10; budget <= 3200 << 10; budget *= 2) {
         tz_ctx *poor = NULL;
         tz_composer *c = NULL;
-        assert_int_equal(tz_ctx_new(&(tz_ctx_options){.threads = 1, .memory = budget}, &poor),
-                         TZ_OK);
+        assert_int_equal(
+            tz_ctx_new(&(tz_ctx_options){.threads = 1, .memory = budget}, &poor), TZ_OK);
         tz_status s = tz_composer_new(poor, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c);
         tz_image_sink *sink = NULL;
         if (s == TZ_OK)
@@ -204,8 +211,8 @@ static void test_stream_bad_rectangles(void **state)
     (void)state;
     char path[512];
     temporary(path, sizeof path, "bad.png");
-    static const tz_rect bad[] = {{0, 0, 0, 0}, {0, 0, 101, 100}, {-1, 0, 50, 50}, {0, 90, 10, 20},
-                                  {0, 0, 10, -5}};
+    static const tz_rect bad[] = {
+        {0, 0, 0, 0}, {0, 0, 101, 100}, {-1, 0, 50, 50}, {0, 90, 10, 20}, {0, 0, 10, -5}};
     tz_ctx *ctx = new_ctx(1);
     tz_image photo = picture(ctx, PICTURE_STONES, 100, 90, 3, 1);
     tz_layout l;
@@ -215,7 +222,8 @@ static void test_stream_bad_rectangles(void **state)
     assert_int_equal(tz_composer_new(ctx, &l, &photo, 1, TZ_MAP_COLOUR, NULL, &c), TZ_OK);
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         tz_image_sink *sink = NULL;
-        assert_int_equal(tz_image_sink_open(ctx, path, 100, 100, &photo, NULL, &sink), TZ_OK);
+        assert_int_equal(tz_image_sink_open(ctx, path, 100, 100, &photo, NULL, &sink),
+                         TZ_OK);
         assert_int_equal(tz_composer_stream(ctx, c, bad[k], sink), TZ_INVALID);
         assert_true(tz_ctx_message(ctx)[0] != 0);
         tz_image_sink_abort(sink);

@@ -47,8 +47,8 @@ static void assert_golden(tz_ctx *ctx, const tz_image *im, const char *name)
         far += most > 6;
     }
     if (sum / (double)(n * im->channels) > 0.3 || far > n / 200)
-        fail_msg("%s: %d px are far off, the mean difference is %.2f of 255", name, (int)far,
-                 sum / (double)(n * im->channels));
+        fail_msg("%s: %d px are far off, the mean difference is %.2f of 255", name,
+                 (int)far, sum / (double)(n * im->channels));
     tz_image_deinit(&want);
 }
 

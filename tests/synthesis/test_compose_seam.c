@@ -30,7 +30,8 @@ static tz_image halves(tz_ctx *ctx, int32_t w, int32_t h, float low, float high)
 static void two_tones(tz_ctx *ctx, tz_layout *l, int32_t w, int32_t h, int32_t seam)
 {
     scene_init(ctx, l, w, h, false, 200, 20);
-    const tz_affine left = {40, 0, 0, 100, -1000, -500}, right = {40, 0, 0, 100, -7000, -500};
+    const tz_affine left = {40, 0, 0, 100, -1000, -500},
+                    right = {40, 0, 0, 100, -7000, -500};
     scene_window(l, 0, left, (tz_rect){0, 0, seam, h}); /* source x 25 .. */
     scene_window(l, 0, right, (tz_rect){seam, 0, w - seam, h});
 }
@@ -151,9 +152,10 @@ static void test_sharpness_stays(void **state)
         for (int32_t x = 1; x + 1 < W; x++)
             for (int k = 0; k < 2; k++) {
                 const tz_image *im = k ? &out : &raw;
-                const double d = 4 * tz_image_at(im, x, y)[0] - tz_image_at(im, x - 1, y)[0] -
-                                 tz_image_at(im, x + 1, y)[0] - tz_image_at(im, x, y - 1)[0] -
-                                 tz_image_at(im, x, y + 1)[0];
+                const double d =
+                    4 * tz_image_at(im, x, y)[0] - tz_image_at(im, x - 1, y)[0] -
+                    tz_image_at(im, x + 1, y)[0] - tz_image_at(im, x, y - 1)[0] -
+                    tz_image_at(im, x, y + 1)[0];
                 energy[k] += d * d;
             }
     assert_float_equal(energy[1] / energy[0], 1, 0.03);
@@ -197,10 +199,12 @@ static void test_wrap(void **state)
         tz_rng r = tz_rng_make(5, k);
         for (int32_t y = 0; y < h + 30; y += 30) /* covers, and crosses the borders */
             for (int32_t x = 0; x < w + 30; x += 30) {
-                const tz_vec2 at = {x + tz_rng_range(&r, -8, 8), y + tz_rng_range(&r, -8, 8)};
-                scene_box(&l, 0,
-                          turned((tz_vec2){80, 60}, at, tz_rng_range(&r, 0, 360), 1, false), 52,
-                          32, 108, 88);
+                const tz_vec2 at = {x + tz_rng_range(&r, -8, 8),
+                                    y + tz_rng_range(&r, -8, 8)};
+                scene_box(
+                    &l, 0,
+                    turned((tz_vec2){80, 60}, at, tz_rng_range(&r, 0, 360), 1, false), 52,
+                    32, 108, 88);
             }
         tz_image out = render_colour(ctx, &l, &photo, all);
         double most_x = 0, most_y = 0;
@@ -209,11 +213,11 @@ static void test_wrap(void **state)
         for (int32_t y = 1; y < h; y++)
             most_y = fmax(most_y, step_down(&out, y - 1, y));
         if (step_across(&out, w - 1, 0) > 1.1 * most_x)
-            fail_msg("%d x %d: %g across the wrap, inside %g", w, h, step_across(&out, w - 1, 0),
-                     most_x);
+            fail_msg("%d x %d: %g across the wrap, inside %g", w, h,
+                     step_across(&out, w - 1, 0), most_x);
         if (step_down(&out, h - 1, 0) > 1.1 * most_y)
-            fail_msg("%d x %d: %g down the wrap, inside %g", w, h, step_down(&out, h - 1, 0),
-                     most_y);
+            fail_msg("%d x %d: %g down the wrap, inside %g", w, h,
+                     step_down(&out, h - 1, 0), most_y);
         tz_image_deinit(&out);
         tz_image_deinit(&photo);
         tz_layout_deinit(&l);
@@ -234,9 +238,10 @@ static void test_origin(void **state)
         scene_init(ctx, &l, W, H, true, 150, 110);
         tz_rng r = tz_rng_make(8, 0);
         for (int i = 0; i < 120; i++) {
-            tz_affine m = turned((tz_vec2){75, 55},
-                                 (tz_vec2){tz_rng_range(&r, 0, W), tz_rng_range(&r, 0, H)},
-                                 tz_rng_range(&r, 0, 360), 1, false);
+            tz_affine m =
+                turned((tz_vec2){75, 55},
+                       (tz_vec2){tz_rng_range(&r, 0, W), tz_rng_range(&r, 0, H)},
+                       tz_rng_range(&r, 0, 360), 1, false);
             if (k)
                 m.e += DX, m.f += DY;
             scene_box(&l, 0, m, 45, 25, 105, 85);
@@ -250,7 +255,8 @@ static void test_origin(void **state)
             for (int k = 0; k < 3; k++)
                 off += fabs(tz_image_at(&out[0], x, y)[k] -
                             tz_image_at(&out[1], (x + DX) % W, (y + DY) % H)[k]) > 1e-3;
-    assert_in_range(off, 0, 60); /* pixels on a border that rounding gives to another piece */
+    assert_in_range(off, 0,
+                    60); /* pixels on a border that rounding gives to another piece */
     tz_image_deinit(&out[0]);
     tz_image_deinit(&out[1]);
     tz_image_deinit(&photo);
@@ -260,7 +266,7 @@ static void test_origin(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_step_fades), cmocka_unit_test(test_no_drift),
+        cmocka_unit_test(test_step_fades),      cmocka_unit_test(test_no_drift),
         cmocka_unit_test(test_sharpness_stays), cmocka_unit_test(test_wrap),
         cmocka_unit_test(test_origin),
     };

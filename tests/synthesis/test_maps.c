@@ -22,8 +22,8 @@ static void assert_normal(const float *px, double x, double y, double z, double 
 {
     if (fabs(2 * px[0] - 1 - x) > tolerance || fabs(2 * px[1] - 1 - y) > tolerance ||
         fabs(2 * px[2] - 1 - z) > tolerance)
-        fail_msg("normal %g, %g, %g where %g, %g, %g is due", 2 * px[0] - 1, 2 * px[1] - 1,
-                 2 * px[2] - 1, x, y, z);
+        fail_msg("normal %g, %g, %g where %g, %g, %g is due", 2 * px[0] - 1,
+                 2 * px[1] - 1, 2 * px[2] - 1, x, y, z);
 }
 
 /* A tilted plane, turned: its normal turns with it. The y of a normal points up the
@@ -67,7 +67,8 @@ static void test_normals_stay_unit(void **state)
         map.encoding = TZ_ENCODING_DATA;
         for (int32_t i = 0; i < 90 * 90; i++) {
             float *p = map.px + (int64_t)channels * i;
-            double x = 1.4 * (p[0] - 0.5), y = 1.4 * (p[1] - 0.5), z = sqrt(1 - x * x - y * y);
+            double x = 1.4 * (p[0] - 0.5), y = 1.4 * (p[1] - 0.5),
+                   z = sqrt(1 - x * x - y * y);
             p[0] = (float)(0.5 + 0.5 * x), p[1] = (float)(0.5 + 0.5 * y);
             p[2] = (float)(0.5 + 0.5 * z);
         }
@@ -168,7 +169,8 @@ static void test_height_keeps_range(void **state)
 static void test_encodings(void **state)
 {
     (void)state;
-    static const tz_encoding from[] = {TZ_ENCODING_LINEAR, TZ_ENCODING_SRGB, TZ_ENCODING_DATA};
+    static const tz_encoding from[] = {TZ_ENCODING_LINEAR, TZ_ENCODING_SRGB,
+                                       TZ_ENCODING_DATA};
     static const tz_map_kind kinds[] = {TZ_MAP_COLOUR, TZ_MAP_NORMAL, TZ_MAP_DATA};
     for (int e = 0; e < 3; e++)
         for (int n = 0; n < 3; n++)
@@ -182,15 +184,19 @@ static void test_encodings(void **state)
                 scene_init(ctx, &l, 33, 31, false, 33, 31);
                 scene_box(&l, 0, tz_affine_identity(), 0, 0, 33, 31);
                 tz_image out = render(ctx, &l, &map, 1, kinds[n], NULL, all);
-                const bool encodes = kinds[n] == TZ_MAP_COLOUR && from[e] == TZ_ENCODING_LINEAR;
+                const bool encodes =
+                    kinds[n] == TZ_MAP_COLOUR && from[e] == TZ_ENCODING_LINEAR;
                 for (int32_t i = 0; i < 33 * 31; i++)
                     for (int k = 0; k < channels; k++) {
                         const float v = map.px[i * channels + k];
-                        const float want = encodes && k != map.alpha ? tz_srgb_encode(v) : v;
+                        const float want =
+                            encodes && k != map.alpha ? tz_srgb_encode(v) : v;
                         assert_true(out.px[i * channels + k] == want);
                     }
-                const bool data = kinds[n] != TZ_MAP_COLOUR || from[e] == TZ_ENCODING_DATA;
-                assert_int_equal(out.encoding, data ? TZ_ENCODING_DATA : TZ_ENCODING_SRGB);
+                const bool data =
+                    kinds[n] != TZ_MAP_COLOUR || from[e] == TZ_ENCODING_DATA;
+                assert_int_equal(out.encoding,
+                                 data ? TZ_ENCODING_DATA : TZ_ENCODING_SRGB);
                 tz_image_deinit(&out);
                 tz_image_deinit(&map);
                 tz_layout_deinit(&l);
@@ -306,13 +312,16 @@ static void test_wrong_counts(void **state)
     tz_image map[2] = {picture(ctx, PICTURE_NOISE, 40, 40, 3, 0),
                        picture(ctx, PICTURE_NOISE, 50, 40, 3, 0)};
     tz_composer *c = NULL;
-    assert_int_equal(tz_composer_new(ctx, &l, map, 1, TZ_MAP_COLOUR, NULL, &c), TZ_INVALID);
+    assert_int_equal(tz_composer_new(ctx, &l, map, 1, TZ_MAP_COLOUR, NULL, &c),
+                     TZ_INVALID);
     tz_ctx_clear(ctx);
-    assert_int_equal(tz_composer_new(ctx, &l, map, 0, TZ_MAP_COLOUR, NULL, &c), TZ_INVALID);
+    assert_int_equal(tz_composer_new(ctx, &l, map, 0, TZ_MAP_COLOUR, NULL, &c),
+                     TZ_INVALID);
     tz_ctx_clear(ctx);
     tz_image grey = picture(ctx, PICTURE_NOISE, 50, 40, 1, 0);
     const tz_image mixed[2] = {map[0], grey};
-    assert_int_equal(tz_composer_new(ctx, &l, mixed, 2, TZ_MAP_COLOUR, NULL, &c), TZ_INVALID);
+    assert_int_equal(tz_composer_new(ctx, &l, mixed, 2, TZ_MAP_COLOUR, NULL, &c),
+                     TZ_INVALID);
     assert_non_null(strstr(tz_ctx_message(ctx), "second.png"));
     assert_null(c);
     tz_ctx_clear(ctx);
@@ -331,7 +340,8 @@ static void test_wrong_counts(void **state)
     tz_layout empty; /* no source at all */
     assert_int_equal(tz_layout_init(ctx, &empty, 10, 10, false), TZ_OK);
     c = NULL;
-    assert_int_equal(tz_composer_new(ctx, &empty, NULL, 0, TZ_MAP_COLOUR, NULL, &c), TZ_INVALID);
+    assert_int_equal(tz_composer_new(ctx, &empty, NULL, 0, TZ_MAP_COLOUR, NULL, &c),
+                     TZ_INVALID);
     assert_null(c);
     tz_layout_deinit(&empty);
     tz_ctx_free(ctx);
@@ -340,10 +350,14 @@ static void test_wrong_counts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_normals_turn),       cmocka_unit_test(test_normals_stay_unit),
-        cmocka_unit_test(test_channels),           cmocka_unit_test(test_height_keeps_range),
-        cmocka_unit_test(test_encodings),          cmocka_unit_test(test_other_resolutions),
-        cmocka_unit_test(test_fine_map_stays_sharp), cmocka_unit_test(test_other_shapes),
+        cmocka_unit_test(test_normals_turn),
+        cmocka_unit_test(test_normals_stay_unit),
+        cmocka_unit_test(test_channels),
+        cmocka_unit_test(test_height_keeps_range),
+        cmocka_unit_test(test_encodings),
+        cmocka_unit_test(test_other_resolutions),
+        cmocka_unit_test(test_fine_map_stays_sharp),
+        cmocka_unit_test(test_other_shapes),
         cmocka_unit_test(test_wrong_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
