@@ -8,8 +8,8 @@
 #include "tests/support/pictures.h"
 #include "tests/support/scenes.h"
 
-/** Photo, its EBPT, and both as tz_arrange wants them. The exemplar points into the struct:
- * it must not move. */
+/** Photo, its EBPT, and both as tz_arrange wants them. The exemplar points into the
+ * struct: it must not move. */
 typedef struct arranged_source {
     tz_image photo;
     tz_ebpt ebpt;
@@ -30,15 +30,15 @@ void arrange_one(tz_ctx *ctx, const arranged_source *s, const tz_rules *rules,
 
 /** Number that tells layouts apart: every bit of maps, borders, groups, sources. */
 uint64_t layout_hash(const tz_layout *l);
-/** Pixels in no border, and the largest distance in px from one of them to a pixel that is
- * in a border, up to 20. */
+/** Pixels in no border, and the largest distance in px from one of them to a pixel that
+ * is in a border, up to 20. */
 int64_t bare_pixels(const tz_layout *l, double *farthest);
 /** Rotation (-pi, pi], scale, and whether mirrored, of a placement's map. */
 void map_parts(tz_affine m, double *angle, double *scale, bool *mirror);
 /** Middle of a placement: where its source region's centre lies in the layout. */
 tz_vec2 middle_of(const tz_layout *l, int32_t id);
-/** Maps finite and nearly similar (no shear), borders simple in count and within the photo by
- * `slack` px, sources and groups in range. */
+/** Maps finite and nearly similar (no shear), borders simple in count and within the
+ * photo by `slack` px, sources and groups in range. */
 void assert_sound(const tz_layout *l, const tz_exemplar *ex, int32_t n, double slack);
 
 #endif

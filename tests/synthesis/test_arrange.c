@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Arrangement: covers, repeats itself under a seed whatever the threads, wraps on a torus,
- * keeps what the artist fixed. */
+ * Arrangement: covers, repeats itself under a seed whatever the threads, wraps on a
+ * torus, keeps what the artist fixed. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

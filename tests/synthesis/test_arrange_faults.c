@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Arrangement when memory runs out or somebody cancels: nothing leaks, nothing is left. */
+ * Arrangement when memory runs out or somebody cancels: nothing leaks, nothing is
+ * left. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -144,7 +144,7 @@ static void test_odd_pieces(void **state)
     tz_ctx_free(ctx);
 }
 
-/* ---- what is refused ------------------------------------------------------------------- */
+/* ---- what is refused --------------------------------------------------------------- */
 
 static void test_refused(void **state)
 {

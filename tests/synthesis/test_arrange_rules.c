@@ -64,7 +64,7 @@ static void arrange_both(const tz_rules *r, tz_layout *l)
     assert_sound(l, ex, 2, 2);
 }
 
-/* ---- which groups ------------------------------------------------------------------- */
+/* ---- which groups ------------------------------------------------------------------ */
 
 static void test_whitelist(void **state)
 {
@@ -179,7 +179,7 @@ static void test_impossible_rule(void **state)
     tz_rules_deinit(&r);
 }
 
-/* ---- how turned, how large ------------------------------------------------------------ */
+/* ---- how turned, how large --------------------------------------------------------- */
 
 /* Difference of two angles, 0 .. pi; mirrored pieces may stand on their heads. */
 static double off(double a, double b, bool mirror)
@@ -240,7 +240,8 @@ static void test_rotation_and_scale_range(void **state)
     tz_rules_deinit(&r);
 }
 
-/* Two regions with an angle each: away from their border nothing of the other comes in. */
+/* Two regions with an angle each: away from their border nothing of the other comes
+ * in. */
 static void test_angle_by_region(void **state)
 {
     (void)state;
@@ -275,7 +276,8 @@ static void test_angle_by_region(void **state)
     tz_rules_deinit(&r);
 }
 
-/* A field: grey 0 .. 1 = 0 .. 2 pi from left to right; pieces follow it where they lie. */
+/* A field: grey 0 .. 1 = 0 .. 2 pi from left to right; pieces follow it where they
+ * lie. */
 static void test_rotation_field(void **state)
 {
     (void)state;
@@ -318,7 +320,7 @@ static void test_rotation_field(void **state)
     }
 }
 
-/* ---- which photo where ------------------------------------------------------------------ */
+/* ---- which photo where ------------------------------------------------------------- */
 
 static void test_source_by_region(void **state)
 {
@@ -376,7 +378,7 @@ static void test_source_by_mask(void **state)
     tz_rules_deinit(&r);
 }
 
-/* ---- structure ---------------------------------------------------------------------------- */
+/* ---- structure --------------------------------------------------------------------- */
 
 static void test_structures_cover(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * What a placement shows: copies by whole pixels are exact, turned ones are right, any map
- * is survived. */
+ * What a placement shows: copies by whole pixels are exact, turned ones are right, any
+ * map is survived. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,7 +95,7 @@ static void test_pieces_that_agree(void **state)
     tz_ctx_free(ctx);
 }
 
-/* ---- resampled copies --------------------------------------------------------------- */
+/* ---- resampled copies -------------------------------------------------------------- */
 
 /* Photo turned by quarters, on long waves. Resampling sharpens a little to make good what
  * it loses, hence the tolerance: 0.004 of a contrast of 0.8. */
@@ -214,7 +214,7 @@ static void test_smooth_resampling(void **state)
     tz_ctx_free(ctx);
 }
 
-/* ---- order and void ------------------------------------------------------------------ */
+/* ---- order and void ---------------------------------------------------------------- */
 
 static void test_order(void **state)
 {
@@ -342,7 +342,7 @@ static void test_much_void_is_fast(void **state)
     tz_ctx_free(ctx);
 }
 
-/* ---- maps out of the ordinary ---------------------------------------------------------- */
+/* ---- maps out of the ordinary ------------------------------------------------------ */
 
 static void test_odd_maps(void **state)
 {

@@ -14,7 +14,7 @@
 #include "tests/support/pictures.h"
 #include "tests/support/scenes.h"
 
-/* ---- memory ------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------ */
 
 /* The n-th allocation fails, n = 1, 2, ... until nothing fails any more. */
 static void test_every_allocation_may_fail(void **state)
@@ -64,7 +64,7 @@ static void test_every_allocation_may_fail(void **state)
     tz_ctx_free(ctx);
 }
 
-/* ---- cancelling ---------------------------------------------------------------------- */
+/* ---- cancelling -------------------------------------------------------------------- */
 
 typedef struct canceller {
     tz_ctx *ctx;
@@ -120,7 +120,7 @@ static void test_cancel(void **state)
     }
 }
 
-/* ---- streaming ------------------------------------------------------------------------ */
+/* ---- streaming --------------------------------------------------------------------- */
 
 static void temporary(char *path, size_t size, const char *name)
 {
@@ -129,7 +129,8 @@ static void temporary(char *path, size_t size, const char *name)
              (int)getpid(), name);
 }
 
-/* A stream in strips has the pixels of a picture in one piece, and stays in its budget. */
+/* A stream in strips has the pixels of a picture in one piece, and stays in its
+ * budget. */
 static void test_stream(void **state)
 {
     (void)state;

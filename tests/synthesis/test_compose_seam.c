@@ -72,7 +72,8 @@ static void test_step_fades(void **state)
             if (SEAM + tz_composer_reach() < W)
                 assert_true(row[3 * (SEAM + tz_composer_reach())] == raw.px[3 * (W - 1)]);
         }
-        /* a third of the way it has faded less under a long decay than under a short one */
+        /* a third of the way it has faded less under a long decay than under a short
+         * one */
         if (d > 0) {
             p.decay = decays[d - 1];
             tz_image shorter = render(ctx, &l, &photo, 1, TZ_MAP_COLOUR, &p, all);

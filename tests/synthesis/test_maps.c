@@ -16,7 +16,7 @@
 
 static const tz_rect all = {0, 0, 0, 0};
 
-/* ---- normals ------------------------------------------------------------------------ */
+/* ---- normals ----------------------------------------------------------------------- */
 
 static void assert_normal(const float *px, double x, double y, double z, double tolerance)
 {
@@ -92,7 +92,7 @@ static void test_normals_stay_unit(void **state)
     }
 }
 
-/* ---- data ---------------------------------------------------------------------------- */
+/* ---- data -------------------------------------------------------------------------- */
 
 /* Any count of channels; range kept; channels that are equal stay equal, so that lanes do
  * not mix. */
@@ -204,7 +204,7 @@ static void test_encodings(void **state)
             }
 }
 
-/* ---- resolutions ----------------------------------------------------------------------- */
+/* ---- resolutions ------------------------------------------------------------------- */
 
 /* A map three times as fine: its texels at the layout's pixel centres are shown. Half as
  * fine: long waves are. */
