@@ -196,7 +196,10 @@ tz_status tz_feature_maps_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
             deviation = 0.01;
         scale.gain[f] = 40 * weight[f] / deviation;
     }
-    scale.mean[TZ_FEATURE_SLANT] = 0; /* mirroring flips bytes about the middle */
+    /* turns rotate this pair about the middle of the bytes */
+    scale.mean[TZ_FEATURE_ALONG] = scale.mean[TZ_FEATURE_SLANT] = 0;
+    const double pair = fmin(scale.gain[TZ_FEATURE_ALONG], scale.gain[TZ_FEATURE_SLANT]);
+    scale.gain[TZ_FEATURE_ALONG] = scale.gain[TZ_FEATURE_SLANT] = fmin(pair, 120);
     /* faint colour must not count as much as strong lightness */
     for (int f = TZ_FEATURE_A; f <= TZ_FEATURE_B; f++)
         if (scale.gain[f] > 2.5 * scale.gain[TZ_FEATURE_L])

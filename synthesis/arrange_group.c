@@ -336,12 +336,16 @@ tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f)
             d += fabs(part[k][b] - part[k + 1][b]);
         natural = fmax(natural, d);
     }
-    /* halves that differ very much (perspective, one large bend) say little about turns */
-    natural = fmin(fmax(natural, 0.03), 0.08);
-    double deg = 0;
-    while (deg < 180 && turned_distance(all, (deg + 0.5) / 5, 0) <= natural)
+    /* Halves that differ very much (perspective, one large bend) say little about turns that
+     * may be drawn at random, but that a piece may turn to follow its neighbours. */
+    const double least = fmax(natural, 0.03), calm = fmin(least, 0.08);
+    double deg = 0, bend = 0;
+    while (deg < 180 && turned_distance(all, (deg + 0.5) / 5, 0) <= calm)
         deg += 0.5;
+    while (bend < 20 && turned_distance(all, (bend + 0.5) / 5, 0) <= least)
+        bend += 0.5;
     f->rotation = fmin(fmax(deg, 1), 180) * TZ_PI / 180;
+    f->bend = fmax(bend * TZ_PI / 180 - f->rotation, 0);
     f->mirror_x = turned_distance(all, 0, 1) <= 1.5 * natural;
     f->mirror_y = turned_distance(all, 0, 2) <= 1.5 * natural;
     return TZ_OK;

@@ -18,8 +18,7 @@
 /* ---- features --------------------------------------------------------------------- */
 
 /** Eight bytes a pixel, scaled so that a byte's difference means about as much in each
- * channel. Small turns leave all of them as they are; a mirror image changes the sign of
- * TZ_FEATURE_SLANT. */
+ * channel. Only the last two change when a piece is turned or mirrored. */
 enum {
     TZ_FEATURE_L, /**< lightness, mean of 3 px */
     TZ_FEATURE_A, /**< colour */
@@ -74,6 +73,7 @@ typedef struct tz_star {
 /** What the exemplar's own statistics allow. */
 typedef struct tz_freedom {
     double rotation; /**< rad either way; pi = any */
+    double bend;     /**< rad that a piece may turn further to follow what is around */
     bool mirror_x, mirror_y;
 } tz_freedom;
 
@@ -162,16 +162,40 @@ static inline int32_t tz_feature_distance(tz_feature a, tz_feature b)
 #endif
 }
 
-/** The feature as its mirror image shows it, if `flip` is 0xff; itself if 0. */
-static inline tz_feature tz_feature_mirror(tz_feature f, uint8_t flip)
+/** How a map changes directions: mirrored, then turned. */
+typedef struct tz_turn {
+    int32_t flip; /**< -1 mirrored, 1 not */
+    int32_t c, s; /**< cos and sin of twice the angle, times 128 */
+    bool plain;   /**< leaves features as they are, within a few degrees */
+} tz_turn;
+
+static inline tz_turn tz_turn_of(tz_affine map)
 {
-    f.v[TZ_FEATURE_SLANT] ^= flip;
-    return f;
+    const double n = map.a * map.a + map.b * map.b;
+    tz_turn t = {tz_affine_det(map) < 0 ? -1 : 1, 128, 0, false};
+    if (n > 0) {
+        t.c = (int32_t)lrint(128 * (map.a * map.a - map.b * map.b) / n);
+        t.s = (int32_t)lrint(256 * map.a * map.b / n);
+    }
+    t.plain = t.flip > 0 && t.c > 0 && t.s > -8 && t.s < 8;
+    return t;
 }
 
-static inline uint8_t tz_map_flip(tz_affine map)
+static inline uint8_t tz_feature_byte(int32_t v)
 {
-    return tz_affine_det(map) < 0 ? 0xff : 0;
+    return (uint8_t)(v < 0 ? 0 : v > 255 ? 255 : v);
+}
+
+/** The feature as a placed piece shows it. */
+static inline tz_feature tz_feature_turn(tz_feature f, const tz_turn *t)
+{
+    if (!t->plain) {
+        const int32_t a = f.v[TZ_FEATURE_ALONG] - 128;
+        const int32_t b = t->flip * (f.v[TZ_FEATURE_SLANT] - 128);
+        f.v[TZ_FEATURE_ALONG] = tz_feature_byte(128 + (t->c * a - t->s * b) / 128);
+        f.v[TZ_FEATURE_SLANT] = tz_feature_byte(128 + (t->s * a + t->c * b) / 128);
+    }
+    return f;
 }
 
 /** Nearest of the halved map to source px (x, y). */

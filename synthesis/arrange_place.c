@@ -179,7 +179,7 @@ static double compare(const tz_grower *g, const place *pl, const overlap *o,
     const tz_feature *v = rough ? f->half : f->v;
     const int64_t stride = rough ? f->half_width : f->width;
     const float unit = rough ? 0.5F : 1;
-    const uint8_t flip = tz_map_flip(c->map);
+    const tz_turn turn = tz_turn_of(c->map);
     /* first where all points fall (this loop has no branch and is vectorised), then the
      * features of those that hit the star and the photo */
     float column[POINTS], row[POINTS];
@@ -197,7 +197,7 @@ static double compare(const tz_grower *g, const place *pl, const overlap *o,
         for (int32_t k = half; k < o->n; k += 2)
             if (hit[k]) {
                 const tz_feature q = v[(int32_t)row[k] * stride + (int32_t)column[k]];
-                sum += tz_feature_distance(o->f[k], tz_feature_mirror(q, flip));
+                sum += tz_feature_distance(o->f[k], tz_feature_turn(q, &turn));
                 n++;
             }
         if (half == 0 && sum > 1.25 * limit * n)
@@ -281,6 +281,10 @@ static bool map_allowed(const tz_grower *g, const place *pl, int32_t exemplar,
     if (s < scale[0] - slack || s > scale[1] + slack)
         return false;
     const double turn = det < 0 ? TZ_PI : 2 * TZ_PI;
+    if (g->p.rotate_auto && isnan(pl->rule->rotation[0])) {
+        const double bend = g->freedom[exemplar].bend;
+        angle[0] -= bend, angle[1] += bend;
+    }
     const double above = atan2(-m.c, m.d) - angle[0] + slack;
     return above - floor(above / turn) * turn <= angle[1] - angle[0] + 2 * slack;
 }
@@ -409,30 +413,54 @@ static candidate moved(candidate c, double dx, double dy)
     return c;
 }
 
-/* Shifts a candidate downhill: by 8 and 4 px on the coarse points, by 2 and 1 on all. */
+static candidate turned(candidate c, double angle)
+{
+    c.map = tz_affine_then(c.map, tz_affine_place(c.centre, c.centre, angle, 1, false));
+    return c;
+}
+
+/* Whether the arrangement is free to turn pieces here. */
+static bool automatic(const tz_grower *g, const tz_rule *r)
+{
+    return g->p.rotate_auto && isnan(r->rotation[0]) && r->field < 0;
+}
+
+/* Moves a candidate downhill: by 8 and 4 px on the coarse points, by 2 and 1 on all; where
+ * the exemplar itself bends, also turns it, by 4 degrees down to half a degree. */
 static void refine(const tz_grower *g, const place *pl, candidate *c)
 {
-    static const int8_t dir[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    static const int8_t dir[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                     {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+    const tz_star *s = &g->stars.star.v[c->star];
+    const double bend = automatic(g, pl->rule) ? g->freedom[s->exemplar].bend : 0;
+    const int ways = bend > 0 ? 6 : 4;
     const overlap *o = &pl->coarse;
-    double here = compare(g, pl, o, c, INFINITY);
+    double angle = 0, here = compare(g, pl, o, c, INFINITY);
     for (int step = 8; step >= 1; step /= 2) {
+        const double by = step * (TZ_PI / 360);
         if (step == 2) {
             o = &pl->dense;
             here = compare(g, pl, o, c, INFINITY);
         }
-        for (int turn = 0; turn < 2; turn++) {
+        for (int turn = 0; turn < (bend > 0 ? 3 : 2); turn++) {
             int way = -1;
-            for (int k = 0; k < 4; k++) {
-                const candidate d = moved(*c, step * dir[k][0], step * dir[k][1]);
-                if (!covers(&g->stars.star.v[d.star], &d, pl->at, 0.85))
+            candidate next = *c;
+            for (int k = 0; k < ways; k++) {
+                if (dir[k][2] && fabs(angle + dir[k][2] * by) > bend)
+                    continue;
+                const candidate d = dir[k][2]
+                                        ? turned(*c, dir[k][2] * by)
+                                        : moved(*c, step * dir[k][0], step * dir[k][1]);
+                if (!covers(s, &d, pl->at, 0.85))
                     continue;
                 const double there = compare(g, pl, o, &d, here);
                 if (there < here)
-                    here = there, way = k;
+                    here = there, way = k, next = d;
             }
             if (way < 0)
                 break;
-            *c = moved(*c, step * dir[way][0], step * dir[way][1]);
+            angle += dir[way][2] * by;
+            *c = next;
         }
     }
     c->score = here;
@@ -463,9 +491,9 @@ static bool shown(const void *user, double x, double y, tz_feature *f)
         y -= floor((y - q->centre.y) / g->p.size[1] + 0.5) * g->p.size[1];
     }
     const tz_vec2 p = tz_affine_apply(q->inv, (tz_vec2){x, y});
-    *f = tz_feature_mirror(
-        tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y),
-        tz_map_flip(q->map));
+    const tz_turn turn = tz_turn_of(q->map);
+    *f = tz_feature_turn(
+        tz_feature_at(&g->map[g->stars.star.v[q->star].exemplar], p.x, p.y), &turn);
     return true;
 }
 

@@ -76,7 +76,7 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
 {
     const int rays = TZ_RAYS / step, rings = TZ_RINGS / step;
     int32_t cost[TZ_RAYS * TZ_RINGS], miss[TZ_RAYS * TZ_RINGS];
-    const uint8_t flip = tz_map_flip(map);
+    const tz_turn turn = tz_turn_of(map);
     const tz_vec2 middle = tz_affine_apply(map, star->centre);
     bool any = false;
     for (int k = 0; k < rays; k++) {
@@ -94,7 +94,7 @@ double tz_seam_find(const tz_canvas *canvas, const tz_feature_map *f, const tz_s
             if (at >= 0 && canvas->label[at] >= 0) {
                 const tz_feature new = tz_feature_near(f, star->centre.x + r * dir.x,
                                                        star->centre.y + r * dir.y);
-                m = mismatch(canvas->feature[at], tz_feature_mirror(new, flip));
+                m = mismatch(canvas->feature[at], tz_feature_turn(new, &turn));
                 any = true;
             }
             miss[k * rings + n] = m;
@@ -137,7 +137,7 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
     int32_t cost[TZ_BORDER * BAND];
     float centre[TZ_BORDER];
     uint8_t path[TZ_BORDER];
-    const uint8_t flip = tz_map_flip(map);
+    const tz_turn turn = tz_turn_of(map);
     for (int ray = 0; ray < TZ_BORDER; ray++) {
         const int i = ray / PER, j = (i + 1) % TZ_RAYS;
         const float t = (float)(ray % PER) / PER;
@@ -155,7 +155,7 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
             cost[ray * BAND + ring] = VOID_COST / 4 * bare;
             if (filled)
                 cost[ray * BAND + ring] +=
-                    mismatch(old, tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip));
+                    mismatch(old, tz_feature_turn(tz_feature_at(f, p.x, p.y), &turn));
             bare += !filled;
         }
     }
@@ -181,7 +181,7 @@ void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map,
                     int32_t key)
 {
     double y0 = INFINITY, y1 = -INFINITY;
-    const uint8_t flip = tz_map_flip(map);
+    const tz_turn turn = tz_turn_of(map);
     for (int32_t k = 0; k < n; k++)
         y0 = fmin(y0, border[2 * k + 1]), y1 = fmax(y1, border[2 * k + 1]);
     /* on a plain canvas only the rows that exist; a torus takes one turn at most */
@@ -218,7 +218,7 @@ void tz_canvas_draw(tz_canvas *canvas, const tz_feature_map *f, tz_affine map,
                     tz_affine_apply(inv, (tz_vec2){((double)i + 0.5) * TZ_CELL,
                                                    ((double)j + 0.5) * TZ_CELL});
                 canvas->label[at] = key;
-                canvas->feature[at] = tz_feature_mirror(tz_feature_at(f, p.x, p.y), flip);
+                canvas->feature[at] = tz_feature_turn(tz_feature_at(f, p.x, p.y), &turn);
             }
         }
     }
