@@ -4,6 +4,7 @@
  * compose_blend.c), so tiles can be cut anyhow. */
 #include <string.h>
 
+#include "synthesis/clone.h"
 #include "synthesis/compose_internal.h"
 
 static const tz_param rows[] = {
@@ -406,6 +407,8 @@ tz_status tz_composer_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_im
     if (out->width != r.w || out->height != r.h || out->channels != c->channels)
         return tz_fail(ctx, TZ_INVALID, "render: output image has another size than the crop");
     out->encoding = c->encoding;
+    if (c->params.clone == TZ_CLONE_OPENCV)
+        return tz_clone_render(ctx, c, r, out);
     return run(ctx, c, r, out, NULL);
 }
 
@@ -426,8 +429,8 @@ tz_status tz_composer_stream(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_im
         while (rows > 64 && (size_t)rows * row > free_bytes / 4)
             rows /= 2;
     }
-    if (rows > r.h)
-        rows = r.h;
+    if (rows > r.h || c->params.clone == TZ_CLONE_OPENCV)
+        rows = r.h; /* that one renders the whole layout for each strip */
     tz_image strip = {0};
     tz_status s = tz_image_init(ctx, &strip, r.w, rows, c->channels);
     if (s == TZ_OK) {
