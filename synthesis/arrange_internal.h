@@ -177,7 +177,7 @@ static inline tz_turn tz_turn_of(tz_affine map)
         t.c = (int32_t)lrint(128 * (map.a * map.a - map.b * map.b) / n);
         t.s = (int32_t)lrint(256 * map.a * map.b / n);
     }
-    t.plain = t.flip > 0 && t.c > 0 && t.s > -8 && t.s < 8;
+    t.plain = t.flip > 0 && t.c > 0 && t.s > -20 && t.s < 20;
     return t;
 }
 

@@ -141,7 +141,7 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
     for (int ray = 0; ray < TZ_BORDER; ray++) {
         const int i = ray / PER, j = (i + 1) % TZ_RAYS;
         const float t = (float)(ray % PER) / PER;
-        const float limit = star->limit[i] + t * (star->limit[j] - star->limit[i]);
+        const float limit = fminf(star->limit[i], star->limit[j]);
         centre[ray] = radius[i] + t * (radius[j] - radius[i]);
         centre[ray] = fminf(centre[ray], limit - BAND / 2);
         const tz_vec2 dir = tz_ray(ray, TZ_BORDER);

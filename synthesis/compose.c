@@ -12,10 +12,11 @@ static const tz_param rows[] = {
      NULL, "Render only this part of the layout: x,y,w,h; w = 0 renders all"},
     {"clone", TZ_PARAM_ENUM, offsetof(tz_compose_params, clone), 0, 2, "screened", "",
      "screened|none|opencv",
-     "How steps at seams are removed: one screened Poisson solve, not at all, or OpenCV's "
+     "How steps at seams are removed: one screened Poisson solve, not at all, or "
+     "OpenCV's "
      "seamlessClone one piece after another (slow; for comparison)"},
-    {"decay", TZ_PARAM_DOUBLE, offsetof(tz_compose_params, decay), 1, 4096, "96", "px", NULL,
-     "Distance over which a seam's colour correction fades"},
+    {"decay", TZ_PARAM_DOUBLE, offsetof(tz_compose_params, decay), 1, 4096, "96", "px",
+     NULL, "Distance over which a seam's colour correction fades"},
 };
 
 const tz_param_table tz_compose_param_table = {
@@ -25,19 +26,23 @@ const tz_param_table tz_compose_param_table = {
 enum { TILE = 512 };
 
 /* Coordinates must fit integers, and the copies that meet on a torus must be countable. */
-static tz_status check_extent(tz_ctx *ctx, const tz_layout *l, int32_t id, const tz_piece *p)
+static tz_status check_extent(tz_ctx *ctx, const tz_layout *l, int32_t id,
+                              const tz_piece *p)
 {
     const double most = 1e15, copies = 4e6;
     if (!(p->x0 > -most && p->y0 > -most && p->x1 < most && p->y1 < most))
-        return tz_fail(ctx, TZ_INVALID,
-                       "layout: placement %d reaches out of all bounds; scale it down or move it",
-                       (int)id);
-    const double turns = ((p->x1 - p->x0) / l->width + 1) * ((p->y1 - p->y0) / l->height + 1);
+        return tz_fail(
+            ctx, TZ_INVALID,
+            "layout: placement %d reaches out of all bounds; scale it down or move it",
+            (int)id);
+    const double turns =
+        ((p->x1 - p->x0) / l->width + 1) * ((p->y1 - p->y0) / l->height + 1);
     if (l->tile && turns > copies)
-        return tz_fail(ctx, TZ_INVALID,
-                       "layout: placement %d is %.0f times as large as the tile that it wraps "
-                       "around; scale it down",
-                       (int)id, turns);
+        return tz_fail(
+            ctx, TZ_INVALID,
+            "layout: placement %d is %.0f times as large as the tile that it wraps "
+            "around; scale it down",
+            (int)id, turns);
     return TZ_OK;
 }
 
@@ -55,8 +60,8 @@ static tz_status prepare_pieces(tz_ctx *ctx, tz_composer *c)
         if (pl->removed)
             continue;
         if (!tz_affine_finite(pl->map) || !tz_affine_invert(pl->map, &p->inv))
-            return tz_fail(ctx, TZ_INVALID, "layout: placement %d has a map without inverse",
-                           (int)k);
+            return tz_fail(ctx, TZ_INVALID,
+                           "layout: placement %d has a map without inverse", (int)k);
         p->source = pl->source;
         const tz_affine i = p->inv;
         p->exact = i.a == 1 && i.b == 0 && i.c == 0 && i.d == 1 && i.e == floor(i.e) &&
@@ -73,30 +78,35 @@ static tz_status prepare_pieces(tz_ctx *ctx, tz_composer *c)
         if (st != TZ_OK)
             return st;
         if (c->kind == TZ_MAP_NORMAL && c->channels >= 3) {
-            /* Normals turn with the surface. Their y points up the picture while ours
-             * points down: conjugate the linear part with diag(1, -1). */
-            const double scale = sqrt(fabs(tz_affine_det(pl->map)));
-            p->turned = pl->map.b != 0 || pl->map.c != 0 || pl->map.a < 0 || pl->map.d < 0;
-            p->n00 = (float)(pl->map.a / scale), p->n01 = (float)(-pl->map.c / scale);
-            p->n10 = (float)(-pl->map.b / scale), p->n11 = (float)(pl->map.d / scale);
+            /* Normals turn with the surface: by the inverse transpose of the linear part, of
+             * which the scale is left out (a larger copy of a stone is as steep as the
+             * stone). Their y points up the picture while ours points down: conjugate with
+             * diag(1, -1). */
+            const tz_affine m = pl->map;
+            const double scale = sqrt(fabs(tz_affine_det(m))) / tz_affine_det(m);
+            p->turned = m.b != 0 || m.c != 0 || m.a != m.d || m.a < 0;
+            p->n00 = (float)(m.d * scale), p->n01 = (float)(m.b * scale);
+            p->n10 = (float)(m.c * scale), p->n11 = (float)(m.a * scale);
         }
     }
     return TZ_OK;
 }
 
-static tz_status check_photos(tz_ctx *ctx, const tz_layout *l, const tz_image *photos, int32_t n)
+static tz_status check_photos(tz_ctx *ctx, const tz_layout *l, const tz_image *photos,
+                              int32_t n)
 {
     if (n != l->source.n)
-        return tz_fail(ctx, TZ_INVALID, "render: the layout has %d sources but %d were given",
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: the layout has %d sources but %d were given",
                        (int)l->source.n, (int)n);
     for (int32_t k = 0; k < n; k++) {
         const tz_image *p = &photos[k];
         const tz_layout_source *s = &l->source.v[k];
         if (p->channels != photos[0].channels)
-            return tz_fail(ctx, TZ_INVALID,
-                           "%s: has %d channels where the first source has %d; convert one",
-                           s->path ? s->path : "source", (int)p->channels,
-                           (int)photos[0].channels);
+            return tz_fail(
+                ctx, TZ_INVALID,
+                "%s: has %d channels where the first source has %d; convert one",
+                s->path ? s->path : "source", (int)p->channels, (int)photos[0].channels);
         /* another resolution is fine, another shape is not */
         const double sx = (double)p->width / s->width, sy = (double)p->height / s->height;
         if (fabs(sx - sy) * (s->width > s->height ? s->width : s->height) > 1.5)
@@ -109,8 +119,8 @@ static tz_status check_photos(tz_ctx *ctx, const tz_layout *l, const tz_image *p
     return TZ_OK;
 }
 
-tz_status tz_composer_new(tz_ctx *ctx, const tz_layout *l, const tz_image *photos, int32_t n,
-                          tz_map_kind kind, const tz_compose_params *params,
+tz_status tz_composer_new(tz_ctx *ctx, const tz_layout *l, const tz_image *photos,
+                          int32_t n, tz_map_kind kind, const tz_compose_params *params,
                           tz_composer **out)
 {
     tz_composer *c = NULL;
@@ -143,7 +153,8 @@ tz_status tz_composer_new(tz_ctx *ctx, const tz_layout *l, const tz_image *photo
         s = tz_alloc_zero(ctx, &c->source, (size_t)n, sizeof *c->source);
     for (int32_t k = 0; k < n && s == TZ_OK; k++) {
         const tz_layout_source *src = &l->source.v[k];
-        const bool scaled = photos[k].width != src->width || photos[k].height != src->height;
+        const bool scaled =
+            photos[k].width != src->width || photos[k].height != src->height;
         s = tz_source_plane_init(ctx, &c->source[k], &photos[k], src->width, src->height,
                                  c->encoding == TZ_ENCODING_DATA, spline || scaled);
     }
@@ -176,12 +187,21 @@ void tz_composer_free(tz_composer *c)
 
 /* ---- one tile --------------------------------------------------------------------- */
 
+/* Cell of the fine grid whose corners belong to several placements, as one of them sees it. */
+typedef struct corner {
+    int32_t j, id;
+} corner;
+
+enum { COLUMNS = TILE / TZ_FINE + 32, KEPT = 2 };
+
 typedef struct work {
     tz_correction grid[2];
     tz_label_scratch scratch;
     int32_t *label; /* TILE * TILE */
     float *row;     /* TILE texels */
     float *between; /* correction nodes of a row, interpolated down */
+    corner *corner; /* COLUMNS * KEPT: latest mixed cells of each column */
+    float *kept;    /* their corners' corrections, 4 texels each */
 } work;
 
 typedef struct job {
@@ -201,8 +221,13 @@ static tz_status work_init(tz_ctx *ctx, const tz_composer *c, work *w)
     if (s == TZ_OK && !w->row)
         s = tz_alloc(ctx, &w->row, (size_t)TILE * (size_t)c->step, sizeof *w->row);
     if (s == TZ_OK && !w->between)
-        s = tz_alloc(ctx, &w->between, (size_t)(TILE / TZ_FINE + 32) * (size_t)c->step,
+        s = tz_alloc(ctx, &w->between, (size_t)COLUMNS * (size_t)c->step,
                      sizeof *w->between);
+    if (s == TZ_OK && !w->corner)
+        s = tz_alloc(ctx, &w->corner, COLUMNS * KEPT, sizeof *w->corner);
+    if (s == TZ_OK && !w->kept)
+        s = tz_alloc(ctx, &w->kept, (size_t)COLUMNS * KEPT * 4 * (size_t)c->step,
+                     sizeof *w->kept);
     return s;
 }
 
@@ -214,46 +239,83 @@ static void work_deinit(tz_ctx *ctx, work *w)
     tz_free(ctx, w->label);
     tz_free(ctx, w->row);
     tz_free(ctx, w->between);
+    tz_free(ctx, w->corner);
+    tz_free(ctx, w->kept);
+}
+
+/* Corrections at the four corners of cell (i, j) as placement `id` sees them; the rows of a
+ * cell follow each other, so that two placements a column are kept. */
+static const float *cell_corners(const tz_composer *c, const tz_correction *g, work *w,
+                                 int32_t i, int32_t j, int32_t id)
+{
+    const size_t size = 4 * (size_t)c->step;
+    corner *k = w->corner + (size_t)i * KEPT;
+    float *v = w->kept + (size_t)i * KEPT * size;
+    for (int m = 0; m < KEPT; m++)
+        if (k[m].j == j && k[m].id == id)
+            return v + m * size;
+    const int m =
+        k[0].j == j && k[1].j != j; /* the slot of an older row, else the first */
+    k[m] = (corner){j, id};
+    v += m * size;
+    for (int n = 0; n < 4; n++)
+        tz_correction_node(c, g, i + (n & 1), j + (n >> 1), id,
+                           v + (size_t)n * (size_t)c->step);
+    return v;
+}
+
+/* Adds p + fx (q - p) to texels at fx = in_cell / 2 F, (in_cell + 2) / 2 F, ... */
+static inline void add_ramp(float *t, const float *p, const float *q, int32_t in_cell,
+                            int32_t count, int32_t step)
+{
+    if (step == 4) {
+        tz_f4 a, b, v;
+        memcpy(&a, p, sizeof a);
+        memcpy(&b, q, sizeof b);
+        b -= a;
+        for (int32_t m = 0; m < count; m++, in_cell += 2, t += 4) {
+            memcpy(&v, t, sizeof v);
+            v += a + ((float)in_cell * (1.0F / (2 * TZ_FINE))) * b;
+            memcpy(t, &v, sizeof v);
+        }
+        return;
+    }
+    for (int32_t m = 0; m < count; m++, in_cell += 2, t += step) {
+        const float fx = (float)in_cell * (1.0F / (2 * TZ_FINE));
+        for (int32_t e = 0; e < step; e++)
+            t[e] += p[e] + fx * (q[e] - p[e]);
+    }
 }
 
 /* Adds the correction to n texels of one placement in row y, from x on. */
-static void correct_span(const tz_composer *c, const tz_correction *g, work *w, int32_t id,
-                         int64_t x, int64_t y, int32_t n, float *texel)
+static void correct_span(const tz_composer *c, const tz_correction *g, work *w,
+                         int32_t id, int64_t x, int64_t y, int32_t n, float *texel)
 {
     const int32_t step = c->step, nx = g->nx;
-    const int64_t ry = 2 * (y - g->y0) + 1 - TZ_FINE, rx0 = 2 * (x - g->x0) + 1 - TZ_FINE;
+    const int64_t ry = 2 * (y - g->y0) + 1 - TZ_FINE;
     const int32_t j = (int32_t)(ry / (2 * TZ_FINE));
     const float fy = (float)(ry - (int64_t)j * 2 * TZ_FINE) / (2 * TZ_FINE);
-    int32_t i = (int32_t)(rx0 / (2 * TZ_FINE));
-    int32_t k = 0;
-    while (k < n) {
-        const int64_t from = 2 * (x + k - g->x0) + 1 - TZ_FINE;
-        i = (int32_t)(from / (2 * TZ_FINE));
-        int32_t in_cell = (int32_t)(from - (int64_t)i * 2 * TZ_FINE); /* odd, 1 .. 2 F - 1 */
+    const int64_t start = 2 * (x - g->x0) + 1 - TZ_FINE;
+    int32_t i = (int32_t)(start / (2 * TZ_FINE));
+    int32_t in_cell = (int32_t)(start - (int64_t)i * 2 * TZ_FINE); /* odd, 1 .. 2 F - 1 */
+    for (int32_t k = 0; k < n; i++, in_cell = 1) {
         int32_t count = (2 * TZ_FINE - in_cell + 1) / 2;
         if (count > n - k)
             count = n - k;
         const int32_t *label = g->label + (int64_t)j * nx + i;
-        float left[TZ_IMAGE_MAX_CHANNELS + 4], right[TZ_IMAGE_MAX_CHANNELS + 4];
-        const float *p, *q;
+        float *t = texel + (int64_t)k * step;
         if (label[0] == id && label[1] == id && label[nx] == id && label[nx + 1] == id) {
-            p = w->between + (int64_t)i * step; /* the row's nodes, already interpolated */
-            q = p + step;
+            const float *p =
+                w->between + (int64_t)i * step; /* already interpolated down */
+            add_ramp(t, p, p + step, in_cell, count, step);
         } else {
-            float v[4][TZ_IMAGE_MAX_CHANNELS + 4];
-            for (int m = 0; m < 4; m++)
-                tz_correction_node(c, g, i + (m & 1), j + (m >> 1), id, v[m]);
+            const float *v = cell_corners(c, g, w, i, j, id);
+            float left[TZ_IMAGE_MAX_CHANNELS + 4], right[TZ_IMAGE_MAX_CHANNELS + 4];
             for (int32_t e = 0; e < step; e++) {
-                left[e] = v[0][e] + fy * (v[2][e] - v[0][e]);
-                right[e] = v[1][e] + fy * (v[3][e] - v[1][e]);
+                left[e] = v[e] + fy * (v[2 * step + e] - v[e]);
+                right[e] = v[step + e] + fy * (v[3 * step + e] - v[step + e]);
             }
-            p = left, q = right;
-        }
-        for (int32_t m = 0; m < count; m++, in_cell += 2) {
-            const float fx = (float)in_cell * (1.0F / (2 * TZ_FINE));
-            float *t = texel + (int64_t)(k + m) * step;
-            for (int32_t e = 0; e < step; e++)
-                t[e] += p[e] + fx * (q[e] - p[e]);
+            add_ramp(t, left, right, in_cell, count, step);
         }
         k += count;
     }
@@ -284,12 +346,23 @@ static void finish(const tz_composer *c, int32_t source, float *texel, int32_t n
             t[2] = 0.5F + 0.5F * z / length;
         }
     }
+    if (step == 4 && !normals) {
+        for (int32_t i = 0; i < n; i++, texel += 4)
+            for (int32_t k = 0; k < 4; k++) {
+                const float v = texel[k] < s->lo[k] ? s->lo[k] : texel[k];
+                texel[k] = v > s->hi[k] ? s->hi[k] : v;
+            }
+        return;
+    }
     for (int32_t i = 0; i < n; i++, texel += step)
         for (int32_t k = normals ? 3 : 0; k < c->channels; k++)
-            texel[k] = texel[k] < s->lo[k] ? s->lo[k] : texel[k] > s->hi[k] ? s->hi[k] : texel[k];
+            texel[k] = texel[k] < s->lo[k]   ? s->lo[k]
+                       : texel[k] > s->hi[k] ? s->hi[k]
+                                             : texel[k];
 }
 
-static void interpolate_down(const tz_composer *c, const tz_correction *g, int64_t y, float *out)
+static void interpolate_down(const tz_composer *c, const tz_correction *g, int64_t y,
+                             float *out)
 {
     const int64_t ry = 2 * (y - g->y0) + 1 - TZ_FINE;
     const int64_t j = ry / (2 * TZ_FINE);
@@ -323,6 +396,7 @@ static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
         return TZ_OK;
     }
     const bool correct = c->params.clone == TZ_CLONE_SCREENED;
+    memset(w->corner, 0xff, COLUMNS * KEPT * sizeof *w->corner);
     if (correct)
         s = tz_correction_solve(ctx, c, tile, w->grid, &w->scratch);
     if (s != TZ_OK)
@@ -352,15 +426,18 @@ static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
             while (from < n) {
                 int32_t to = n;
                 const int64_t lx = tile.x + x + from;
-                const tz_vec2 shift = tz_piece_shift(c, id, (double)lx + 0.5, (double)ly + 0.5);
+                const tz_vec2 shift =
+                    tz_piece_shift(c, id, (double)lx + 0.5, (double)ly + 0.5);
                 if (c->layout->tile) {
                     const double mid = 0.5 * (p->x0 + p->x1);
-                    const double limit = ceil(shift.x + mid + 0.5 * c->layout->width - 0.5);
+                    const double limit =
+                        ceil(shift.x + mid + 0.5 * c->layout->width - 0.5);
                     if (limit > (double)lx && limit < (double)(tile.x + x + n))
                         to = (int32_t)(limit - (double)(tile.x + x));
                 }
-                tz_source_row(&c->source[p->source], p->inv, p->exact, lx - (int64_t)shift.x,
-                              ly - (int64_t)shift.y, to - from, texel + (int64_t)from * step);
+                tz_source_row(&c->source[p->source], p->inv, p->exact,
+                              lx - (int64_t)shift.x, ly - (int64_t)shift.y, to - from,
+                              texel + (int64_t)from * step);
                 from = to;
             }
             if (p->turned)
@@ -372,6 +449,9 @@ static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
         }
         if (step == channels)
             memcpy(out, w->row, (size_t)tile.w * (size_t)step * sizeof *out);
+        else if (channels == 3)
+            for (int32_t x = 0; x < tile.w; x++)
+                memcpy(out + 3 * (int64_t)x, w->row + 4 * (int64_t)x, 3 * sizeof *out);
         else
             for (int32_t x = 0; x < tile.w; x++)
                 for (int32_t k = 0; k < channels; k++)
@@ -405,7 +485,8 @@ static tz_status run(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image *out
 tz_status tz_composer_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image *out)
 {
     if (out->width != r.w || out->height != r.h || out->channels != c->channels)
-        return tz_fail(ctx, TZ_INVALID, "render: output image has another size than the crop");
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: output image has another size than the crop");
     out->encoding = c->encoding;
     if (c->params.clone == TZ_CLONE_OPENCV)
         return tz_clone_render(ctx, c, r, out);
@@ -417,7 +498,8 @@ tz_status tz_composer_labels(tz_ctx *ctx, const tz_composer *c, tz_rect r, int32
     return run(ctx, c, r, NULL, label);
 }
 
-tz_status tz_composer_stream(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image_sink *sink)
+tz_status tz_composer_stream(tz_ctx *ctx, const tz_composer *c, tz_rect r,
+                             tz_image_sink *sink)
 {
     /* strips as high as the free budget allows for twice (image and the sink's copies) */
     int32_t rows = 4 * TILE;

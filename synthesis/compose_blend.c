@@ -153,7 +153,8 @@ static void relax(const tz_correction *g, int32_t step, float pull, const float 
             o[e] = (((mid[left] + mid[e]) + (up[e] + down[e])) + jump[e]) * scale;
         }
         for (int64_t k = step; k < row - step; k++)
-            o[k] = (((mid[k - step] + mid[k + step]) + (up[k] + down[k])) + jump[k]) * scale;
+            o[k] =
+                (((mid[k - step] + mid[k + step]) + (up[k] + down[k])) + jump[k]) * scale;
     }
 }
 
@@ -168,8 +169,8 @@ static void iterate(const tz_composer *c, tz_correction *g, int32_t steps)
     }
 }
 
-void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i, int32_t j,
-                        int32_t id, float *out)
+void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i,
+                        int32_t j, int32_t id, float *out)
 {
     const int64_t n = (int64_t)j * g->nx + i;
     const int32_t owner = g->label[n], step = c->step;
@@ -229,9 +230,11 @@ static void span(tz_correction *g, tz_rect r, int32_t spacing, int32_t margin)
     g->spacing = spacing;
     g->x0 = floor_to((int64_t)r.x - spacing / 2, spacing) - (int64_t)margin * spacing;
     g->y0 = floor_to((int64_t)r.y - spacing / 2, spacing) - (int64_t)margin * spacing;
-    g->nx = (int32_t)((floor_to((int64_t)r.x + r.w + spacing / 2, spacing) - g->x0) / spacing) +
+    g->nx = (int32_t)((floor_to((int64_t)r.x + r.w + spacing / 2, spacing) - g->x0) /
+                      spacing) +
             1 + margin;
-    g->ny = (int32_t)((floor_to((int64_t)r.y + r.h + spacing / 2, spacing) - g->y0) / spacing) +
+    g->ny = (int32_t)((floor_to((int64_t)r.y + r.h + spacing / 2, spacing) - g->y0) /
+                      spacing) +
             1 + margin;
 }
 
@@ -255,7 +258,8 @@ tz_status tz_correction_solve(tz_ctx *ctx, const tz_composer *c, tz_rect r,
             break;
         right_hand_side(c, g);
         if (k == 0)
-            memset(g->c, 0, (size_t)g->nx * (size_t)g->ny * (size_t)c->step * sizeof *g->c);
+            memset(g->c, 0,
+                   (size_t)g->nx * (size_t)g->ny * (size_t)c->step * sizeof *g->c);
         else
             prolong(c, coarse, g);
         iterate(c, g, k == 0 ? COARSE_STEPS : FINE_STEPS);

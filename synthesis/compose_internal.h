@@ -19,6 +19,7 @@ typedef struct tz_source_plane {
     int32_t width, height, pad;
     int32_t channels, lanes, step; /**< floats a texel */
     int64_t stride;
+    bool wide;     /**< 256-bit registers may be used; same bits either way */
     double sx, sy; /**< photo px per layout-source px (maps of another resolution) */
     float *low[2]; /**< means of LOW_CELL[k]^2 cells, dense lanes, (lw+2) x (lh+2) */
     int32_t lw[2], lh[2];

@@ -112,14 +112,16 @@ static void frame(tz_source_plane *s, float *t)
         float *row = t + (int64_t)(y + pad) * s->stride;
         for (int32_t k = 1; k <= pad; k++) {
             memcpy(row + (int64_t)(pad - k) * step,
-                   row + (int64_t)(pad + mirror(-k, w)) * step, (size_t)step * sizeof *row);
+                   row + (int64_t)(pad + mirror(-k, w)) * step,
+                   (size_t)step * sizeof *row);
             memcpy(row + (int64_t)(pad + w - 1 + k) * step,
                    row + (int64_t)(pad + mirror(w - 1 + k, w)) * step,
                    (size_t)step * sizeof *row);
         }
     }
     for (int32_t k = 1; k <= pad; k++) {
-        memcpy(t + (int64_t)(pad - k) * s->stride, t + (int64_t)(pad + mirror(-k, h)) * s->stride,
+        memcpy(t + (int64_t)(pad - k) * s->stride,
+               t + (int64_t)(pad + mirror(-k, h)) * s->stride,
                (size_t)s->stride * sizeof *t);
         memcpy(t + (int64_t)(pad + h - 1 + k) * s->stride,
                t + (int64_t)(pad + mirror(h - 1 + k, h)) * s->stride,
@@ -134,15 +136,18 @@ static tz_status lowpass(tz_ctx *ctx, tz_source_plane *s, int level, int32_t cel
     const int32_t lw = (width + cell - 1) / cell, lh = (height + cell - 1) / cell;
     const int32_t step = s->step;
     float *low;
-    tz_status st = tz_alloc(ctx, &low, (size_t)(lw + 2) * (size_t)(lh + 2) * step, sizeof *low);
+    tz_status st =
+        tz_alloc(ctx, &low, (size_t)(lw + 2) * (size_t)(lh + 2) * step, sizeof *low);
     if (st != TZ_OK)
         return st;
     s->low[level] = low, s->lw[level] = lw, s->lh[level] = lh;
     const float *texel = s->texel + s->pad * s->stride + (int64_t)s->pad * step;
     for (int32_t j = 0; j < lh; j++)
         for (int32_t i = 0; i < lw; i++) {
-            int32_t x0 = (int32_t)(i * cell * s->sx), x1 = (int32_t)((i + 1) * cell * s->sx);
-            int32_t y0 = (int32_t)(j * cell * s->sy), y1 = (int32_t)((j + 1) * cell * s->sy);
+            int32_t x0 = (int32_t)(i * cell * s->sx),
+                    x1 = (int32_t)((i + 1) * cell * s->sx);
+            int32_t y0 = (int32_t)(j * cell * s->sy),
+                    y1 = (int32_t)((j + 1) * cell * s->sy);
             if (x1 > s->width)
                 x1 = s->width;
             if (y1 > s->height)
@@ -166,8 +171,8 @@ static tz_status lowpass(tz_ctx *ctx, tz_source_plane *s, int level, int32_t cel
     const int64_t row = (int64_t)(lw + 2) * step;
     for (int32_t j = 1; j <= lh; j++) {
         memcpy(low + j * row, low + j * row + step, (size_t)step * sizeof *low);
-        memcpy(low + j * row + (int64_t)(lw + 1) * step, low + j * row + (int64_t)lw * step,
-               (size_t)step * sizeof *low);
+        memcpy(low + j * row + (int64_t)(lw + 1) * step,
+               low + j * row + (int64_t)lw * step, (size_t)step * sizeof *low);
     }
     memcpy(low, low + row, (size_t)row * sizeof *low);
     memcpy(low + (lh + 1) * row, low + lh * row, (size_t)row * sizeof *low);
@@ -182,6 +187,9 @@ tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *
     s->channels = photo->channels;
     s->lanes = s->channels == 1 ? 0 : (s->channels + 3) / 4;
     s->step = s->lanes ? 4 * s->lanes : 1;
+#if defined(__x86_64__)
+    s->wide = __builtin_cpu_supports("avx2");
+#endif
     s->stride = (int64_t)(s->width + 2 * s->pad) * s->step;
     s->sx = (double)s->width / width, s->sy = (double)s->height / height;
     const size_t floats = (size_t)s->stride * (size_t)(s->height + 2 * s->pad);
@@ -195,7 +203,8 @@ tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *
         s->lo[k] = FLT_MAX, s->hi[k] = -FLT_MAX;
     for (int32_t y = 0; y < s->height; y++) {
         const float *in = tz_image_at(photo, 0, y);
-        float *out = s->texel + (int64_t)(y + s->pad) * s->stride + (int64_t)s->pad * s->step;
+        float *out =
+            s->texel + (int64_t)(y + s->pad) * s->stride + (int64_t)s->pad * s->step;
         for (int32_t x = 0; x < s->width; x++)
             for (int32_t k = 0; k < s->channels; k++) {
                 float v = in[(int64_t)x * s->channels + k];
@@ -219,8 +228,8 @@ tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *
         st = tz_parallel_for(ctx, (s->height + 15) / 16, spline_task, &job);
         job.vertical = true;
         if (st == TZ_OK)
-            st = tz_parallel_for(ctx, ((int64_t)s->width * s->step + 255) / 256, spline_task,
-                                 &job);
+            st = tz_parallel_for(ctx, ((int64_t)s->width * s->step + 255) / 256,
+                                 spline_task, &job);
         if (st == TZ_OK)
             frame(s, s->spline);
     }
@@ -259,14 +268,6 @@ void tz_source_low(const tz_source_plane *s, int level, double px, double py, fl
     }
 }
 
-/* Cubic B-spline weights at fraction f. */
-static inline tz_f4 weights(float f)
-{
-    const float g = 1 - f, sixth = 1.0F / 6, f2 = f * f, g2 = g * g;
-    return (tz_f4){sixth * g2 * g, 2.0F / 3 - 0.5F * f2 * (2 - f),
-                   2.0F / 3 - 0.5F * g2 * (2 - g), sixth * f2 * f};
-}
-
 static inline tz_f4 load4(const float *p)
 {
     tz_f4 v;
@@ -295,16 +296,128 @@ static inline void locate(double u, int32_t n, int32_t *i, float *f)
     *f = (float)(t - fl);
 }
 
-void tz_source_row(const tz_source_plane *s, tz_affine inv, bool exact, int64_t x, int64_t y,
-                   int32_t n, float *out)
+/* Map of a row: source position of pixel k is (ax (x + k + 0.5) + bx, ...). */
+typedef struct row_map {
+    double ax, bx, ay, by;
+    int64_t x;
+    const float *origin;
+} row_map;
+
+/* Taps of a run of pixels, array by array, so that the loops over them vectorise. */
+enum { RUN = 32 };
+
+typedef struct taps {
+    int32_t i[2][RUN];  /* first texel across and down */
+    float w[2][4][RUN]; /* cubic B-spline weights */
+} taps;
+
+static inline __attribute__((always_inline)) void
+find_taps(const tz_source_plane *s, const row_map *m, int64_t x, int32_t n, taps *t)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        const double a = axis ? m->ay : m->ax, b = axis ? m->by : m->bx;
+        const int32_t side = axis ? s->height : s->width;
+        const double u0 = a * ((double)x + 0.5) + b, u1 = a * ((double)(x + n) - 0.5) + b;
+        float f[RUN];
+        if (u0 > -1 && u1 > -1 && u0 < side + 1 && u1 < side + 1) {
+            for (int32_t k = 0; k < n; k++) {
+                const double p = a * ((double)x + k + 0.5) + b - 0.5;
+                const int32_t fl = (int32_t)(p + 8) - 8; /* floor for p > -8 */
+                t->i[axis][k] = fl - 1;
+                f[k] = (float)(p - fl);
+            }
+        } else {
+            for (int32_t k = 0; k < n; k++) {
+                locate(a * ((double)x + k + 0.5) + b, side, &t->i[axis][k], &f[k]);
+                t->i[axis][k]--;
+            }
+        }
+        for (int32_t k = 0; k < n; k++) {
+            const float g = 1 - f[k], sixth = 1.0F / 6, f2 = f[k] * f[k], g2 = g * g;
+            t->w[axis][0][k] = sixth * g2 * g;
+            t->w[axis][1][k] = 2.0F / 3 - 0.5F * f2 * (2 - f[k]);
+            t->w[axis][2][k] = 2.0F / 3 - 0.5F * g2 * (2 - g);
+            t->w[axis][3][k] = sixth * f2 * f[k];
+        }
+    }
+}
+
+/* Two texels of four channels at a time. The same text is compiled for plain and for
+ * 256-bit registers; sums have one order, so that both give the same bits. */
+typedef float tz_f8 __attribute__((vector_size(32)));
+
+static inline __attribute__((always_inline)) void
+spline_row_body(const tz_source_plane *s, const row_map *m, int32_t n, float *out)
+{
+    const int32_t step = s->step;
+    taps t;
+    for (int32_t from = 0; from < n; from += RUN) {
+        const int32_t run = n - from < RUN ? n - from : RUN;
+        find_taps(s, m, m->x + from, run, &t);
+        for (int32_t i = 0; i < run; i++) {
+            const float *p =
+                m->origin + t.i[1][i] * s->stride + (int64_t)t.i[0][i] * step;
+            const float w0 = t.w[0][0][i], w1 = t.w[0][1][i], w2 = t.w[0][2][i],
+                        w3 = t.w[0][3][i];
+            if (step == 1) {
+                const tz_f4 wx = {w0, w1, w2, w3};
+                tz_f4 sum = {0};
+                for (int r = 0; r < 4; r++)
+                    sum += t.w[1][r][i] * load4(p + r * s->stride);
+                sum *= wx;
+                out[from + i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+                continue;
+            }
+            const tz_f8 near = {w0, w0, w0, w0, w1, w1, w1, w1};
+            const tz_f8 far = {w2, w2, w2, w2, w3, w3, w3, w3};
+            for (int32_t k = 0; k < step; k += 4) {
+                tz_f8 acc = {0};
+                const float *q = p + k;
+                for (int r = 0; r < 4; r++, q += s->stride) {
+                    tz_f8 a, b;
+                    if (step == 4) {
+                        memcpy(&a, q, sizeof a);
+                        memcpy(&b, q + 8, sizeof b);
+                    } else {
+                        memcpy(&a, q, 16), memcpy((char *)&a + 16, q + step, 16);
+                        memcpy(&b, q + 2 * step, 16),
+                            memcpy((char *)&b + 16, q + 3 * step, 16);
+                    }
+                    acc += t.w[1][r][i] * (a * near + b * far);
+                }
+                float half[8];
+                memcpy(half, &acc, sizeof half);
+                for (int c = 0; c < 4; c++)
+                    out[(int64_t)(from + i) * step + k + c] = half[c] + half[c + 4];
+            }
+        }
+    }
+}
+
+static void spline_row_plain(const tz_source_plane *s, const row_map *m, int32_t n,
+                             float *out)
+{
+    spline_row_body(s, m, n, out);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void
+spline_row_avx2(const tz_source_plane *s, const row_map *m, int32_t n, float *out)
+{
+    spline_row_body(s, m, n, out);
+}
+#endif
+
+void tz_source_row(const tz_source_plane *s, tz_affine inv, bool exact, int64_t x,
+                   int64_t y, int32_t n, float *out)
 {
     const int32_t step = s->step;
     const double cy = (double)y + 0.5;
     const double bx = (inv.c * cy + inv.e) * s->sx, ax = inv.a * s->sx;
     const double by = (inv.d * cy + inv.f) * s->sy, ay = inv.b * s->sy;
     const bool copy = exact && s->sx == 1 && s->sy == 1;
-    const float *origin = (copy ? s->texel : s->spline) + s->pad * s->stride +
-                          (int64_t)s->pad * step;
+    const float *origin =
+        (copy ? s->texel : s->spline) + s->pad * s->stride + (int64_t)s->pad * step;
     if (copy) {
         const int64_t sx = (int64_t)floor(((double)x + 0.5) * inv.a + bx);
         const int64_t sy = (int64_t)floor(((double)x + 0.5) * inv.b + by);
@@ -315,33 +428,17 @@ void tz_source_row(const tz_source_plane *s, tz_affine inv, bool exact, int64_t 
         }
         const float *row = origin + mirror(sy, s->height) * s->stride;
         for (int32_t i = 0; i < n; i++)
-            memcpy(out + (int64_t)i * step, row + (int64_t)mirror(sx + i, s->width) * step,
+            memcpy(out + (int64_t)i * step,
+                   row + (int64_t)mirror(sx + i, s->width) * step,
                    (size_t)step * sizeof *out);
         return;
     }
-    for (int32_t i = 0; i < n; i++) {
-        const double cx = (double)(x + i) + 0.5;
-        int32_t iu, iv;
-        float fu, fv;
-        locate(ax * cx + bx, s->width, &iu, &fu);
-        locate(ay * cx + by, s->height, &iv, &fv);
-        const tz_f4 wx = weights(fu), wy = weights(fv);
-        const float *p = origin + (int64_t)(iv - 1) * s->stride + (int64_t)(iu - 1) * step;
-        if (step == 1) {
-            const tz_f4 sum = wy[0] * load4(p) + wy[1] * load4(p + s->stride) +
-                              wy[2] * load4(p + 2 * s->stride) +
-                              wy[3] * load4(p + 3 * s->stride);
-            const tz_f4 t = sum * wx;
-            out[i] = (t[0] + t[1]) + (t[2] + t[3]);
-        } else {
-            for (int32_t k = 0; k < step; k += 4) {
-                tz_f4 acc = {0};
-                const float *q = p + k;
-                for (int r = 0; r < 4; r++, q += s->stride)
-                    acc += wy[r] * (wx[0] * load4(q) + wx[1] * load4(q + step) +
-                                    wx[2] * load4(q + 2 * step) + wx[3] * load4(q + 3 * step));
-                memcpy(out + (int64_t)i * step + k, &acc, sizeof acc);
-            }
-        }
+    const row_map m = {ax, bx, ay, by, x, origin};
+#if defined(__x86_64__)
+    if (s->wide) {
+        spline_row_avx2(s, &m, n, out);
+        return;
     }
+#endif
+    spline_row_plain(s, &m, n, out);
 }

@@ -85,7 +85,9 @@ TZ_API tz_status tz_layout_parse(tz_ctx *ctx, const char *name, const char *text
 typedef struct tz_layout_edit tz_layout_edit;
 TZ_API tz_status tz_layout_edit_new(tz_layout *l, tz_layout_edit **out); /**< l must outlive it */
 TZ_API void tz_layout_edit_free(tz_layout_edit *e);
-/** Each returns in *dirty the layout rectangle where the placement showed before or shows
+/** (Where a layout leaves void, the nearest placements fill it, and moving one may change
+ * void pixels anywhere: render the whole again there.)
+ * Each returns in *dirty the layout rectangle where the placement showed before or shows
  * now (the whole layout where a torus would make it wrap; w = h = 0 if outside). The
  * compositor's correction reaches beyond it: grow it by the compositor's reach (on a torus
  * with wrap) before rendering again, then the rest of the picture keeps its bytes. */
