@@ -1,0 +1,179 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes every picture in docs/figures/ again, with the program itself.
+#
+#   tests/figures.sh BUILDDIR [PHOTOS [OUT]]
+#
+# OUT is where the pictures go, default docs/figures.
+# PHOTOS is a folder with CC0 photos by the names below; default ../shared/exemplars/photos
+# beside the repository. A photo that is not there is replaced by one of the demo's CC0
+# photos, or where those cannot be had by an exemplar that Terrazzo draws. Only CC0 photos
+# are used, because the pictures are committed.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/.." && pwd)
+build=$(cd "${1:?use: tests/figures.sh BUILDDIR [PHOTOS [OUT]]}" && pwd)
+folder=${2:-$root/../shared/exemplars/photos}
+terrazzo=$build/bin/terrazzo
+work=$build/figures
+out=$(mkdir -p "${3:-$root/docs/figures}" && cd "${3:-$root/docs/figures}" && pwd)
+. "$here/photos.sh"
+
+[ -x "$terrazzo" ] || { echo "figures: $terrazzo is not there; build it first" >&2; exit 1; }
+command -v rsvg-convert >/dev/null || { echo "figures: install librsvg2-bin" >&2; exit 1; }
+mkdir -p "$work"
+fetch_photos "$build/cache/photos" >/dev/null || true
+
+"${CC:-cc}" -std=c17 -D_GNU_SOURCE -O2 -I"$root" "$here/draw_figures.c" \
+    -o "$work/draw_figures" -L"$build/lib" -lterrazzo -lm -Wl,-rpath,"$build/lib"
+
+# photo NAME SUBSTITUTE : copies the photo into the work folder, prints its name there
+photo() {
+    local f
+    for f in "$folder/$1".{jpg,png} "$build/cache/photos/$1.png" \
+        "$build/cache/photos/$2.png" "$root/data/exemplars/$2.png" \
+        "$root/data/exemplars/stones.png"; do
+        [ -s "$f" ] || continue
+        cp "$f" "$work/$1.${f##*.}"
+        echo "$1.${f##*.}"
+        return
+    done
+}
+
+cd "$work"
+tz() { "$terrazzo" "$@" --quiet; }
+draw() { ./draw_figures "$@"; }
+# picture NAME : NAME.svg to NAME.png, at its own size or $2 px wide
+picture() { rsvg-convert -b white ${2:+-w "$2"} "$1.svg" -o "$1.png"; }
+# sheet NAME COLUMNS CELL LABELS PICTURE... : docs/figures/NAME.jpg
+sheet() {
+    local name=$1 columns=$2 cell=$3 labels=$4
+    shift 4
+    tz sheet "$@" -o "$out/$name.jpg" --columns "$columns" --cell "$cell" \
+        --labels "$labels" --quality 82
+    echo "$out/$name.jpg"
+}
+
+wall=$(photo stone_wall brick)
+bark=$(photo bark_brown grass)
+slabs=$(photo mossy_rock_slabs stones)
+cells=$(photo volcanic_stone_cells mud)
+cliff=$(photo cliff_strata grass)
+cracked=$(photo cracked_rock mud)
+leaves=$(photo leaf_litter gravel)
+onyx=$(photo onyx_swirl mud)
+gravel=$(photo gravel gravel)
+brick=$(photo brick brick)
+grass=$(photo grass grass)
+
+# ---- README ----------------------------------------------------------------------------
+# block X Y NAME : exemplar, below it a part of the texture at full size, and the texture
+block() {
+    local x=$1 y=$2 p=$3 n=${3%.*}
+    tz expand "$p" -o "big_$n.png" --size 2048x2048 --seed 7 --save-layout "big_$n.svg"
+    tz render "big_$n.svg" -o "part_$n.png" --crop 900,800,220,220
+    echo "<image xlink:href='$p' x='$x' y='$y' width='220' height='220'/>"
+    echo "<image xlink:href='part_$n.png' x='$x' y='$((y + 228))' width='220' height='220'/>"
+    echo "<image xlink:href='big_$n.png' x='$((x + 228))' y='$y' width='448' height='448'/>"
+}
+{
+    echo "<svg xmlns='http://www.w3.org/2000/svg' width='1376' height='920'
+        xmlns:xlink='http://www.w3.org/1999/xlink'>"
+    block 0 0 "$slabs"
+    block 700 0 "$cracked"
+    block 0 472 "$bark"
+    block 700 472 "$leaves"
+    echo "</svg>"
+} >textures.svg
+picture textures
+sheet textures 1 1400x1400 "above: exemplar - below: part of the texture, full size\
+ - right: texture of four times the area" textures.png
+
+# ---- analysis --------------------------------------------------------------------------
+tz analyze "$wall" -o wall.svg
+draw edges wall.svg edges.svg
+picture edges 800
+sheet edges 1 800x800 "edges, coloured by the bin of their angle" edges.png
+draw bins wall.svg bins.svg
+picture bins 1000
+sheet bins 1 1200x1200 "columns: angle - rows: length" bins.png
+picture wall 800
+sheet groups 1 800x800 "regions, and their edges in the same hue" wall.png
+draw polar wall.svg polar.svg
+picture polar
+sheet polar 1 1000x1000 "one edge group with its edges' centres, and its polar grid" polar.png
+
+# ---- arrangement -----------------------------------------------------------------------
+tz arrange wall.svg -o layout.svg --size 1024x768 --seed 7
+tz render layout.svg -o layout.png
+draw cut wall.svg layout.svg cut.svg
+picture cut 800
+sheet cut 1 800x800 "blue: the group's region - red: the piece that was cut out" cut.png
+draw pieces layout.svg pieces.svg
+picture pieces
+draw borders layout.svg layout.png borders.png
+sheet layout 2 640x640 "pieces, later ones on top|their borders in the texture" \
+    pieces.png borders.png
+
+# ---- seams -----------------------------------------------------------------------------
+tz expand "$cliff" -o cliff.png --size 1024x1024 --seed 7 --save-layout cliff.svg
+part=256,256,480,480
+for kind in none screened opencv; do
+    tz render cliff.svg -o "seams_$kind.png" --clone $kind --crop $part
+done
+draw difference seams_screened.png seams_none.png seams_difference.png
+sheet seams 2 480x480 \
+    "--clone none|--clone screened (default)|the correction, 4 times|--clone opencv" \
+    seams_none.png seams_screened.png seams_difference.png seams_opencv.png
+
+# ---- parameters ------------------------------------------------------------------------
+size="--size 480x480 --seed 3"
+tz expand "$wall" -o p1.png $size
+tz expand "$wall" -o p2.png $size --coherence 0
+tz expand "$wall" -o p3.png $size --coherence 1
+tz expand "$wall" -o p4.png $size --piece 60
+tz expand "$wall" -o p5.png $size --piece 240
+tz expand "$wall" -o p6.png $size --rotation=-180,180
+sheet parameters 3 480x480 \
+    "default|--coherence 0|--coherence 1|--piece 60|--piece 240|--rotation=-180,180" \
+    p1.png p2.png p3.png p4.png p5.png p6.png
+
+# ---- rules -----------------------------------------------------------------------------
+presets=$root/data/presets
+tz expand "$bark" -o r1.png --size 1024x1024 --seed 3 --rules "$presets/swirl.json"
+tz expand "$bark" -o r2.png --size 1024x1024 --seed 3 --rules "$presets/angle-by-region.json"
+tz expand "$cells" -o r3.png --size 1024x1024 --seed 3 \
+    --rules "$presets/random-and-granular.json"
+tz expand "$slabs" "$cells" -o r4.png --size 1024x1024 --seed 3 \
+    --rules "$presets/two-sources.json"
+tz expand "$slabs" "$cliff" -o r5.png --size 1024x1024 --seed 3 \
+    --rules "$presets/patches-of-second-source.json"
+tz expand "$bark" -o r6.png --size 1024x1024 --seed 3 --rules "$presets/wind.json"
+labels="swirl|angle-by-region|random-and-granular|two-sources"
+sheet rules 3 400x400 "$labels|patches-of-second-source|wind" \
+    r1.png r2.png r3.png r4.png r5.png r6.png
+
+# ---- tiles and maps --------------------------------------------------------------------
+tz expand "$gravel" -o tile.png --size 320x320 --seed 5 --tile
+cat >four.svg <<'SVG'
+<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
+ width="640" height="640"><image xlink:href="tile.png" width="320" height="320"/>
+<image xlink:href="tile.png" x="320" width="320" height="320"/>
+<image xlink:href="tile.png" y="320" width="320" height="320"/>
+<image xlink:href="tile.png" x="320" y="320" width="320" height="320"/></svg>
+SVG
+picture four
+sheet tile 2 640x640 "one tile|two by two tiles" tile.png four.png
+draw normals "$cells" cells_n.png
+tz expand "$cells" -o maps.png --size 640x640 --seed 5 --maps normal=cells_n.png \
+    --rotation=-180,180
+sheet maps 2 640x640 "colour|normals, turned with their pieces" maps.png maps_normal.png
+
+# ---- limits ----------------------------------------------------------------------------
+tz expand "$brick" -o limit1.png --size 512x512 --seed 7
+tz expand "$onyx" -o onyx.png --size 2048x2048 --seed 7 --crop 700,700,512,512
+labels="an exemplar in perspective|its rows meet at odd places"
+sheet limits 3 512x512 "$labels|long bands break off at seams" \
+    "$brick" limit1.png onyx.png
+
+du -ch "$out"/* | tail -1
