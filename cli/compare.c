@@ -33,7 +33,7 @@ typedef struct row {
     const char *text;
 } row;
 
-enum { ROWS = 9 };
+enum { ROWS = 10 };
 
 static void list_rows(const tz_quality *q, row r[ROWS])
 {
@@ -46,6 +46,8 @@ static void list_rows(const tz_quality *q, row r[ROWS])
          "fine detail, 1 = as the exemplar"},
         {"repetition", q->repetition, q->cost_repetition,
          "share that occurs again elsewhere"},
+        {"near-repeat", q->repetition_near, NAN,
+         "likewise, slightly stretched or turned too"},
         {"periodicity", q->periodicity, q->cost_periodicity,
          "strength of a regular repeat"},
         {"seam", q->seam, q->cost_seam, "straight breaks beyond the exemplar's"},
@@ -63,7 +65,7 @@ static void print_text(const tz_quality *q)
     for (int i = 0; i < ROWS; i++) {
         if (isnan(r[i].value))
             continue;
-        printf("%-12s %9.3f  ", r[i].name, r[i].value);
+        printf("%-12s %9.4f  ", r[i].name, r[i].value);
         if (!isnan(r[i].cost))
             printf("costs %5.1f  ", r[i].cost);
         else

@@ -55,8 +55,8 @@ for photo in "${photos[@]}"; do
     "$terrazzo" sheet "$photo" "$out/$name.png" "$out/${name}_heat.png" --quiet \
         -o "$out/${name}_sheet.png" --columns 3 --cell 800x800 || failed=$((failed + 1))
     line=
-    for key in score patch orientation correlation sharpness repetition periodicity seam \
-        broken; do
+    for key in score patch orientation correlation sharpness repetition near-repeat \
+        periodicity seam broken; do
         line+="</td><td>$(figure "$key" "$figures")"
     done
     line+="</td><td>$(figure total "$made")"
@@ -71,7 +71,8 @@ done
 {
     cat "$page.part"
     echo '<table><tr><th>exemplar</th><th>score</th><th>patch</th><th>orientation</th>'
-    echo '<th>correlation</th><th>sharpness</th><th>repetition</th><th>periodicity</th>'
+    echo '<th>correlation</th><th>sharpness</th><th>repetition</th>'
+    echo '<th>near repeats</th><th>periodicity</th>'
     echo "<th>seam</th><th>broken</th><th>seconds</th></tr>$rows</table>"
     echo "$sections</html>"
 } >"$page"
