@@ -1,0 +1,289 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Measures speed and quality against the rivals, in one run, side by side.
+#
+#   tests/bench.sh BUILDDIR [SECTION...]
+#
+# Sections: analyze, render, arrange, expand, scores; huge (32,768 x 32,768 px, writes some
+# 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
+# BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
+# those of TZ_PHOTOS (a folder), else ../shared/exemplars/photos beside the repository, else
+# those of the demo, else the exemplars that Terrazzo draws.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
+shift
+sections=("$@")
+[ ${#sections[@]} -gt 0 ] || sections=(analyze render arrange expand scores)
+terrazzo=$build/bin/terrazzo
+tools=$build/tests
+out=$build/bench
+cache=$build/cache/gmic
+mkdir -p "$out" "$cache" || exit 1
+. "$here/photos.sh"
+[ -x "$terrazzo" ] || { echo "bench: $terrazzo is not there; build it first" >&2; exit 1; }
+failed=0
+
+# ---- helpers -------------------------------------------------------------------------
+
+find_photos() {
+    local folder=${TZ_PHOTOS:-$here/../../shared/exemplars/photos}
+    if [ ! -d "$folder" ]; then
+        folder=$build/cache/photos
+        fetch_photos "$folder" >/dev/null || folder=$here/../data/exemplars
+    fi
+    shopt -s nullglob
+    photos=("$folder"/*.jpg "$folder"/*.png)
+    [ ${#photos[@]} -gt 0 ] || { echo "bench: no photos in $folder" >&2; exit 1; }
+}
+
+# photo PATTERN... : the first photo whose name matches one of them, else the first of all
+photo() {
+    local p wanted
+    for wanted in "$@"; do
+        for p in "${photos[@]}"; do
+            case $(basename "$p") in $wanted) echo "$p"; return ;; esac
+        done
+    done
+    echo "${photos[0]}"
+}
+
+# the rival; status 1 where it cannot be had
+need_gmic() {
+    command -v gmic >/dev/null && return
+    command -v apt-get >/dev/null || return 1
+    local sudo=()
+    [ "$(id -u)" -eq 0 ] || sudo=(sudo -n)
+    echo "bench: installing gmic"
+    "${sudo[@]}" apt-get update -qq >/dev/null 2>&1
+    DEBIAN_FRONTEND=noninteractive "${sudo[@]}" apt-get install -y -qq \
+        --no-install-recommends gmic >/dev/null 2>&1
+    command -v gmic >/dev/null
+}
+
+# gmic_cached PHOTO : G'MIC's 2048 x 2048 texture of it, made once; sets $picture
+gmic_cached() {
+    local key
+    key=$(sha256sum "$1" | cut -c1-24)
+    picture=$cache/$key.png
+    [ -s "$picture" ] && return
+    "$tools/bench_run" 1 gmic "$1" syntexturize_matchpatch 2048,2048 -o "$cache/part.png" \
+        >"$cache/$key.time" && mv "$cache/part.png" "$picture"
+}
+
+# number NAME JSON : the first number of that name
+number() {
+    printf '%s\n' "$2" | sed -n "s/^ *\"$1\": \([-+0-9.eE]*\),*\$/\1/p" | head -n 1
+}
+
+# rows SECTION FIELD... <<< lines : lines of blank-separated fields to a JSON array
+rows() {
+    local section=$1
+    shift
+    awk -v names="$*" 'BEGIN { n = split(names, name, " "); printf "[" }
+        { printf "%s\n    {", (NR > 1 ? "," : "")
+          for (i = 1; i <= n; i++) {
+              v = $i ~ /^[-+]?[0-9][0-9.]*([eE][-+]?[0-9]+)?$/ ? $i \
+                  : $i == "" || $i == "-" ? "null" : "\"" $i "\""
+              printf "%s\"%s\": %s", (i > 1 ? ", " : ""), name[i], v }
+          printf "}" }
+        END { printf "]" }' >"$out/$section.json"
+}
+
+machine() {
+    local cpu
+    cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
+    printf '%s, %s threads, %s GiB, load %s' "${cpu:-$(uname -m)}" "$(nproc)" \
+        "$(awk '/MemTotal/ { printf "%.0f", $2 / 1048576 }' /proc/meminfo)" \
+        "$(cut -d' ' -f1 /proc/loadavg)"
+}
+
+title() { printf '\n%s\n' "$1"; }
+
+# ---- sections ------------------------------------------------------------------------
+
+bench_analyze() {
+    title "analyze: photo to exemplar, in memory, gradient detector (goal: 512 x 512 under 0.10 s)"
+    local p cut=() lines
+    for p in "$(photo 'gravel*' 'stones*')" "$(photo 'cobble*' 'rocks*' 'bricks*')" \
+        "$(photo 'pebbles*' 'mossy*' 'mud*')"; do
+        for side in 512 1024; do
+            local to=$out/$(basename "${p%.*}")-$side.png
+            "$tools/bench_cut" "$p" $side 0 "$to" && cut+=("$to")
+        done
+    done
+    lines=$("$tools/bench_analyze" "${cut[@]}") || return 1
+    printf '%s\n' "$lines" | awk '{
+        sub(/.*\//, "", $2); split($3, s, "x")
+        goal = s[1] > 512 ? "-" : $NF < 0.10 ? "met" : "MISSED"
+        gsub(/[(,]/, "", $4); print $2, s[1], $4, $6, $NF, goal }' |
+        tee "$out/lines" | awk 'BEGIN {
+            printf "  %-34s %6s %7s %7s %9s  %s\n", "photo", "side", "groups", "edges", "s", "goal" }
+            { printf "  %-34s %6d %7d %7d %9.4f  %s\n", $1, $2, $3, $4, $5, $6 }'
+    rows analyze photo side groups edges seconds goal <"$out/lines"
+}
+
+bench_render() {
+    title "render: layout to pixels, in memory; ours against stock cv::seamlessClone one by one
+(goals: 2048 x 2048 of 360 groups 20 times as fast; 120 to 3,600 groups within 1.5)"
+    "$tools/bench_render" "$(photo 'cobble*' 'rocks*' 'stones*')" 11 >"$out/lines" || return 1
+    awk 'BEGIN { printf "  %-9s %5s %7s %5s %9s %9s %9s %9s %10s %8s\n", "layout", "side",
+                 "groups", "box", "channels", "ours s", "cpu s", "ns/px", "stock s", "times" }
+        { key = $2 " " $3 " " $4 " " $5 " " $6
+          if (!(key in ours) && !(key in stock)) order[++n] = key
+          if ($7 == "ours") { ours[key] = $8; cpu[key] = $9 } else stock[key] = $8 }
+        END { for (k = 1; k <= n; k++) {
+            key = order[k]; split(key, f, " ")
+            printf "  %-9s %5d %7d %5d %9d %9.4f %9.4f %9.2f", f[1], f[2], f[3], f[4], f[5],
+                ours[key], cpu[key], 1e9 * cpu[key] / (f[2] * f[2])
+            if (key in stock) printf " %10.3f %8.1f", stock[key], stock[key] / ours[key]
+            print ""
+            if (f[1] == "cover" && f[5] == 3 && f[2] == 2048) {
+                if (!lo || ours[key] < lo) lo = ours[key]
+                if (ours[key] > hi) hi = ours[key]
+                if (f[3] == 360) times = stock[key] / ours[key] } }
+            printf "  360 groups: %.0f times as fast: %s; 120..3,600 groups: slowest / fastest %.2f: %s\n",
+                times, (times >= 20 ? "met" : "MISSED"), hi / lo, (hi / lo <= 1.5 ? "met" : "MISSED") }' \
+        "$out/lines"
+    cut -d' ' -f2- "$out/lines" >"$out/lines2"
+    rows render layout side groups box channels method seconds cpu <"$out/lines2"
+}
+
+bench_arrange() {
+    title "arrange: 2048 x 2048 px, alone"
+    local p
+    for p in "$(photo 'gravel*' 'stones*')" "$(photo 'cobble*' 'rocks*' 'bricks*')"; do
+        "$tools/bench_arrange" "$p" 2048 5 || return 1
+    done | cut -d' ' -f2- >"$out/lines"
+    awk 'BEGIN { printf "  %-28s %7s %10s %9s %13s\n", "photo", "threads", "placements", "s",
+                 "placements/s" }
+        { printf "  %-28s %7d %10d %9.3f %13.0f\n", $1, $3, $4, $5, $4 / $5 }' "$out/lines"
+    rows arrange photo side threads placements seconds peak_mib <"$out/lines"
+}
+
+bench_expand() {
+    title "expand: whole command, files in and out, 512 x 512 to 2048 x 2048 PNG, against
+gmic syntexturize_matchpatch (goal: 10 times as fast); gmic is timed now, once a photo"
+    local p channels name input ours theirs gmic=yes
+    need_gmic || { gmic=; echo "  gmic cannot be had: its column stays empty"; }
+    : >"$out/lines"
+    for name in 'gravel* stones*:1' 'brick*:1' 'cobble* rocks* bricks*:3' 'pebbles* mossy* mud*:3'; do
+        channels=${name#*:}
+        # shellcheck disable=SC2086
+        p=$(set -f; photo ${name%:*})
+        input=$out/$(basename "${p%.*}")-512-$channels.png
+        "$tools/bench_cut" "$p" 512 "$channels" "$input" || return 1
+        ours=$("$tools/bench_run" 7 "$terrazzo" expand "$input" -o "$out/ours.png" --size \
+            2048x2048 --seed 7 --quiet) || { echo "  terrazzo failed on $input"; return 1; }
+        theirs='- - -'
+        [ -n "$gmic" ] && theirs=$("$tools/bench_run" 1 gmic "$input" \
+            syntexturize_matchpatch 2048,2048 -o "$out/gmic.png")
+        echo "$(basename "${p%.*}") $channels $ours ${theirs:-- - -}" >>"$out/lines"
+    done
+    awk 'BEGIN { printf "  %-22s %8s | %7s %7s %8s | %7s %7s %8s | %6s\n", "photo", "channels",
+                 "ours s", "cpu s", "MiB", "gmic s", "cpu s", "MiB", "times" }
+        { printf "  %-22s %8d | %7.3f %7.3f %8d | %7s %7s %8s | ", $1, $2, $3, $4, $5, $6, $7, $8
+          if ($6 == "-") print "-"
+          else { t = $6 / $3; printf "%6.1f %s\n", t, (t >= 10 ? "met" : "MISSED") } }' "$out/lines"
+    rows expand photo channels seconds cpu peak_mib gmic_seconds gmic_cpu gmic_peak_mib \
+        <"$out/lines"
+}
+
+# figures PHOTO OUTPUT : score patch sharpness repetition
+figures() {
+    local json key v line=
+    json=$("$terrazzo" compare "$1" "$2" --json --quiet 2>/dev/null) || json=
+    for key in score patch sharpness repetition seam broken; do
+        v=$(number $key "$json")
+        line+="${v:--} "
+    done
+    echo "$line"
+}
+
+bench_scores() {
+    title "scores: 2048 x 2048 of each photo, by terrazzo compare (goal: higher than gmic's on 12
+of 15; at four times the exemplar's area patch ratio under 1.5 in the mean, sharpness 0.9 to
+1.1, repetition under 0.10)"
+    local p theirs gmic=yes
+    need_gmic || { gmic=; echo "  gmic cannot be had: its columns stay empty"; }
+    [ -n "$gmic" ] && echo "  (gmic's pictures are kept in $cache)"
+    : >"$out/lines"
+    printf '  %-21s| %6s %6s %6s %6s | %6s %6s %6s %6s | %-4s | %6s %6s %6s %6s\n' '' score patch \
+        sharp repeat score patch sharp repeat wins score patch sharp repeat
+    printf '  %-21s| %-27s | %-27s | %-4s | %s\n' photo ours "gmic's" '' 'ours, four times the area'
+    for p in "${photos[@]}"; do
+        "$terrazzo" expand "$p" -o "$out/ours.png" --size 2048x2048 --seed 7 --quiet &&
+            "$terrazzo" expand "$p" -o "$out/grown.png" --grow 2 --seed 7 --quiet ||
+            { echo "  terrazzo failed on $p"; failed=1; continue; }
+        theirs='- - - - - -'
+        [ -n "$gmic" ] && gmic_cached "$p" && theirs=$(figures "$p" "$picture")
+        echo "$(basename "${p%.*}") $(figures "$p" "$out/ours.png") $theirs" \
+            "$(figures "$p" "$out/grown.png")" >>"$out/lines"
+        tail -n 1 "$out/lines" | awk '{
+            printf "  %-21s| %6.1f %6.2f %6.2f %6.3f | ", $1, $2, $3, $4, $5
+            if ($8 == "-") printf "%6s %6s %6s %6s | %-4s | ", "-", "-", "-", "-", "-"
+            else printf "%6.1f %6.2f %6.2f %6.3f | %-4s | ", $8, $9, $10, $11, ($2 > $8 ? "ours" : "gmic")
+            printf "%6.1f %6.2f %6.2f %6.3f\n", $14, $15, $16, $17 }'
+    done
+    awk '{ n++; if ($8 != "-") { m++; wins += $2 > $8; theirs += $8 }
+           ours += $2; patch += $15; worst = $17 > worst ? $17 : worst
+           sharp += $16 >= 0.9 && $16 <= 1.1; repeat += $17 < 0.10 }
+        END { if (!n) exit
+            if (m) printf "  ours higher on %d of %d: %s (mean %.1f against %.1f)\n", wins, m,
+                (wins >= 0.8 * m ? "met" : "MISSED"), ours / n, theirs / m
+            printf "  four times the area: mean patch ratio %.2f: %s; sharpness in range on %d of %d; repetition in range on %d of %d (worst %.3f)\n",
+                patch / n, (patch / n < 1.5 ? "met" : "MISSED"), sharp, n, repeat, n, worst }' \
+        "$out/lines"
+    rows scores photo score patch sharpness repetition seam broken gmic_score gmic_patch \
+        gmic_sharpness gmic_repetition gmic_seam gmic_broken grown_score grown_patch \
+        grown_sharpness grown_repetition grown_seam grown_broken <"$out/lines"
+}
+
+bench_huge() {
+    title "huge: 32,768 x 32,768 px (goal: compute under 60 s, under 1 GiB resident)"
+    local p free run null
+    p=$(photo 'cobble*' 'rocks*' 'stones*')
+    free=$(df -Pk "$out" | awk 'NR == 2 { print int($4 / 1048576) }')
+    if [ "$free" -lt 16 ]; then
+        echo "  skipped: $out has $free GiB free, 16 are needed"
+        return 0
+    fi
+    null=$("$tools/bench_huge" "$p") || return 1
+    run=$("$tools/bench_run" 1 "$terrazzo" expand "$p" -o "$out/huge.exr" --size 32768x32768 \
+        --seed 7 --quiet) || { echo "  terrazzo failed"; rm -f "$out/huge.exr"; return 1; }
+    local bytes
+    bytes=$(stat -c %s "$out/huge.exr")
+    rm -f "$out/huge.exr"
+    echo "$null $run $bytes" | cut -d' ' -f2- >"$out/lines"
+    awk '{ compute = $3 + $4 + $5
+        printf "  %d placements: analyze %.1f s, arrange %.1f s, render %.1f s, thrown away; %d MiB\n",
+            $2, $3, $4, $5, $6
+        printf "  compute %.1f s: %s\n", compute, (compute < 60 ? "met" : "MISSED")
+        printf "  whole command to tiled EXR of %.2f GB: %.1f s (cpu %.1f s), so %.1f s for compression and disk\n",
+            $10 / 1e9, $7, $8, $7 - compute
+        printf "  resident %d MiB: %s\n", $9, ($9 < 1024 ? "met" : "MISSED") }' "$out/lines"
+    rows huge side placements analyze arrange render null_peak_mib seconds cpu peak_mib bytes \
+        <"$out/lines"
+}
+
+# ---- run -----------------------------------------------------------------------------
+
+find_photos
+line=$(machine)
+echo "bench: $line"
+for section in "${sections[@]}"; do
+    case $section in
+    analyze | render | arrange | expand | scores | huge)
+        "bench_$section" || { echo "  $section failed"; failed=1; } ;;
+    *) echo "bench: no section $section" >&2; exit 2 ;;
+    esac
+done
+{
+    printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
+    for section in analyze render arrange expand scores huge; do
+        [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
+    done
+    printf '}\n'
+} >"$build/bench.json"
+printf '\nbench: %s\n' "$build/bench.json"
+exit $failed
