@@ -173,6 +173,9 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
 
     tz_canvas *c = &g.canvas;
     c->torus = params->tile;
+    if (params->tile && (params->size[0] % 16 || params->size[1] % 16))
+        tz_warn(ctx, "%d x %d px: sides that are multiples of 16 px tile most exactly",
+                (int)params->size[0], (int)params->size[1]);
     c->nx = (params->size[0] + TZ_CELL - 1) / TZ_CELL;
     c->ny = (params->size[1] + TZ_CELL - 1) / TZ_CELL;
     g.strip = (int32_t)fmax(g.piece / TZ_CELL, 4);

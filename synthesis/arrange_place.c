@@ -522,7 +522,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
         candidate c = best[k];
         if (pl->coarse.n && structured && !c.coherent)
             refine(g, pl, &c);
-        const double other = 0.5 * c.score + repetition(g, pl, &c);
+        const double other = 0.3 * c.score + repetition(g, pl, &c);
         if (other >= least)
             continue;
         const tz_star *s = &g->stars.star.v[c.star];

@@ -13,8 +13,8 @@
 enum {
     LEAST = 10,     /* innermost ring at LEAST / 24 of the limit */
     VOID_COST = 90, /* a ring of void left beyond the seam */
-    CORE_COST = 6,  /* a ring of the group's own region cut away */
-    BEND_COST = 10, /* a ring of difference from ray to ray */
+    CORE_COST = 3,  /* a ring of the group's own region cut away */
+    BEND_COST = 4,  /* a ring of difference from ray to ray */
     BEND = 2
 };
 

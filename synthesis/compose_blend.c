@@ -19,10 +19,6 @@
  * smooth target t = s + c: at a node that another placement b owns, placement a sees
  * c_a = c_b + s_b - s_a.
  *
- * Large steps are left in place: where two placements differ by much more than STEP along
- * a seam, the seam runs along a natural edge (a stone against its shadow), and spreading
- * that difference would make stones glow. A step d counts as d / sqrt(1 + (|d| / STEP)^2).
- *
  * @source Perez, Gangnet, Blake: Poisson image editing, SIGGRAPH 2003 (membrane);
  *   Bhat, Curless, Cohen, Zitnick: Fourier analysis of the 2D screened Poisson equation for
  *   gradient domain problems, ECCV 2008 */
@@ -31,19 +27,6 @@
 #include "synthesis/compose_internal.h"
 
 enum { COARSE_STEPS = 24, FINE_STEPS = 6 };
-
-#define STEP 0.5F
-
-/* Shortens a step between two placements, all channels by one factor so that hue stays. */
-static void soften(float *d, int32_t channels)
-{
-    float most = 0;
-    for (int32_t k = 0; k < channels; k++)
-        most = fmaxf(most, fabsf(d[k]));
-    const float scale = 1 / sqrtf(1 + most * most * (1 / (STEP * STEP)));
-    for (int32_t k = 0; k < channels; k++)
-        d[k] *= scale;
-}
 
 void tz_piece_low(const tz_composer *c, int32_t id, int level, double px, double py,
                   float *out)
@@ -122,12 +105,8 @@ static void right_hand_side(const tz_composer *c, tz_correction *g)
                 tz_piece_low(c, b, g->level, pn.x, pn.y, bn);
                 tz_piece_low(c, b, g->level, pm.x, pm.y, bm);
                 float *at_n = g->jump + n * step, *at_m = g->jump + m * step;
-                for (int32_t k = 0; k < step; k++)
-                    an[k] -= bn[k], am[k] -= bm[k];
-                soften(an, step);
-                soften(am, step);
                 for (int32_t k = 0; k < step; k++) {
-                    const float jump = 0.5F * (an[k] + am[k]);
+                    const float jump = 0.5F * ((an[k] - bn[k]) + (am[k] - bm[k]));
                     at_n[k] -= jump;
                     at_m[k] += jump;
                 }
@@ -182,10 +161,7 @@ void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i,
     tz_piece_low(c, owner, g->level, p.x, p.y, theirs);
     tz_piece_low(c, id, g->level, p.x, p.y, ours);
     for (int32_t k = 0; k < step; k++)
-        theirs[k] -= ours[k];
-    soften(theirs, step);
-    for (int32_t k = 0; k < step; k++)
-        out[k] += theirs[k];
+        out[k] += theirs[k] - ours[k];
 }
 
 /* Start of the fine grid: the coarse correction, continued bilinearly. */
