@@ -135,6 +135,7 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
 {
     enum { BAND = 13, PER = TZ_BORDER / TZ_RAYS };
     int32_t cost[TZ_BORDER * BAND];
+    bool void_at[TZ_BORDER * BAND];
     float centre[TZ_BORDER];
     uint8_t path[TZ_BORDER];
     const tz_turn turn = tz_turn_of(map);
@@ -153,6 +154,7 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
             tz_feature old;
             const bool filled = shown(user, q.x, q.y, &old);
             cost[ray * BAND + ring] = VOID_COST / 4 * bare;
+            void_at[ray * BAND + ring] = !filled;
             if (filled)
                 cost[ray * BAND + ring] +=
                     mismatch(old, tz_feature_turn(tz_feature_at(f, p.x, p.y), &turn));
@@ -160,8 +162,10 @@ void tz_seam_refine(const void *user, tz_shown shown, const tz_feature_map *f,
         }
     }
     closed_path(cost, TZ_BORDER, BAND, BEND_COST, path);
+    /* into the void a little more than cells tell, so that no specks stay between pieces */
     for (int ray = 0; ray < TZ_BORDER; ray++)
-        border[ray] = fmaxf(centre[ray] + path[ray] - BAND / 2, 1);
+        border[ray] = fmaxf(centre[ray] + path[ray] - BAND / 2, 1) +
+                      (void_at[ray * BAND + path[ray]] ? 1.5F : 0);
 }
 
 void tz_grown_border(const tz_star *star, const tz_grown *g, double *border)
