@@ -5,8 +5,8 @@
  *   bench_arrange PHOTO [SIDE [RUNS]]
  *
  * prints lines: arrange NAME SIDE THREADS PLACEMENTS SECONDS PEAK_MIB */
-#include "bench.h"
 #include "synthesis/arrange.h"
+#include "tests/bench/bench.h"
 
 enum { RUNS_MAX = 99 };
 

@@ -4,7 +4,7 @@
  * is smaller.
  *
  *   bench_cut PHOTO SIDE CHANNELS OUT.png */
-#include "bench.h"
+#include "tests/bench/bench.h"
 
 static int32_t mirror(int32_t i, int32_t n)
 {

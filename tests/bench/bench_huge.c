@@ -6,9 +6,9 @@
  *   bench_huge PHOTO [SIDE]
  *
  * prints a line: huge SIDE PLACEMENTS ANALYZE ARRANGE RENDER PEAK_MIB, times in s */
-#include "bench.h"
 #include "synthesis/arrange.h"
 #include "synthesis/compose.h"
+#include "tests/bench/bench.h"
 
 int main(int argc, char **argv)
 {

@@ -10,9 +10,9 @@
  *   loose     360 patches of 60 to 140 px that leave gaps, as figures of stock usage have it
  *   arranged  a layout as tz_arrange makes it
  * and BOX the mean side of the patches' boxes in px. */
-#include "bench.h"
 #include "synthesis/arrange.h"
 #include "synthesis/compose.h"
+#include "tests/bench/bench.h"
 
 enum { POINTS = 64, RUNS_MAX = 99 };
 
