@@ -72,17 +72,12 @@ tz_status tz_forest_response(tz_ctx *ctx, const tz_image *photo, const char *mod
         goto done;
     fill_rgb(photo, rgb, w, h);
     switch (detect(model, rgb, w, h, out, out + n, why, sizeof why)) {
-    case TZ_FOREST_OK:
-        break;
-    case TZ_FOREST_NOMEM:
-        s = tz_fail(ctx, TZ_NOMEM, "%s: out of memory", model);
-        break;
+    case TZ_FOREST_OK: break;
+    case TZ_FOREST_NOMEM: s = tz_fail(ctx, TZ_NOMEM, "%s: out of memory", model); break;
     case TZ_FOREST_BAD_MODEL:
         s = tz_fail(ctx, TZ_FORMAT, "%s: not a structured-forest model: %s", model, why);
         break;
-    case TZ_FOREST_FAILED:
-        s = tz_fail(ctx, TZ_INVALID, "%s: %s", model, why);
-        break;
+    case TZ_FOREST_FAILED: s = tz_fail(ctx, TZ_INVALID, "%s: %s", model, why); break;
     }
     if (s != TZ_OK)
         goto done;

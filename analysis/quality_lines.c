@@ -171,7 +171,7 @@ static tz_status scan(tz_ctx *ctx, const tz_quality_picture *p, const float leas
         if (s == TZ_OK)
             s = tz_parallel_for(ctx, n, line_band, &j);
         for (int64_t i = 0; i < n && s == TZ_OK; i++) {
-            if (!strength)
+            if (j.sum)
                 add_band(o, j.sum[i], 2 * i < n);
             for (int kind = 0; kind < KINDS && strength; kind++)
                 for (int k = 0; k < BINS; k++)

@@ -42,7 +42,7 @@ static void draw_directions(patch_level *p, uint64_t seed)
     for (int32_t d = 0; d < p->directions; d++) {
         tz_rng r = tz_rng_make(seed, tz_rng_stream('d', (uint64_t)p->level, (uint64_t)d));
         double cx = tz_rng_range(&r, 1, PATCH - 2), cy = tz_rng_range(&r, 1, PATCH - 2);
-        double sigma = tz_rng_range(&r, 0.7, 4), sum = 0, v[DIM_MAX];
+        double sigma = tz_rng_range(&r, 0.7, 4), sum = 0, v[DIM_MAX] = {0};
         for (int32_t c = 0, k = 0; c < planes; c++)
             for (int32_t y = 0; y < PATCH; y++)
                 for (int32_t x = 0; x < PATCH; x++, k++) {
@@ -62,7 +62,7 @@ static const tz_quality_planes *draw_patch(const patch_level *p, int32_t set, in
     const tz_quality_picture *pic = set < 4 ? p->w->exemplar : p->w->output;
     tz_rng r =
         tz_rng_make(p->w->params->seed,
-                    tz_rng_stream('p', (uint64_t)(p->level * SETS + set), (uint64_t)i));
+                    tz_rng_stream('p', (uint64_t)p->level * SETS + (uint64_t)set, (uint64_t)i));
     const tz_quality_planes *f = &pic->at[i % pic->n].laplace[p->level];
     int32_t x0 = 0, y0 = 0, w = f->w, h = f->h;
     if (set < 4) {
@@ -82,7 +82,7 @@ static tz_status project(tz_ctx *ctx, void *arg, int64_t item, int worker)
     int32_t set = item < 4 * p->n ? (int32_t)(item / p->n) : 4;
     int32_t i = (int32_t)(item - (int64_t)set * p->n), x, y;
     const tz_quality_planes *f = draw_patch(p, set, i, &x, &y);
-    float v[DIM_MAX];
+    float v[DIM_MAX] = {0};
     (void)ctx, (void)worker;
     for (int32_t c = 0, k = 0; c < f->n; c++)
         for (int32_t r = 0; r < PATCH; r++, k += PATCH)

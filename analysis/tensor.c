@@ -117,7 +117,7 @@ static tz_status lab_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
         const float *p = tz_image_at(im, 0, y);
         float *d = j->raw + (size_t)y * im->width;
         for (int32_t x = 0; x < im->width; x++, p += im->channels, d++) {
-            float rgb[3], lab[3], a = im->alpha < 0 ? 1 : p[im->alpha];
+            float rgb[3], lab[3] = {0}, a = im->alpha < 0 ? 1 : p[im->alpha];
             a = a > 0 ? (a < 1 ? a : 1) : 0;
             for (int32_t c = 0; c < 3; c++) {
                 const float v = clean(p[colours == 3 ? c : 0], j->white);

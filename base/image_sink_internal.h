@@ -48,7 +48,7 @@ struct tz_image_sink {
     size_t row_bytes;
     uint8_t *code_of; /**< linear float -> 8-bit sRGB: code by top bits, see sink.c */
     float threshold[257];
-    float *decode; /**< sRGB -> linear for half samples, else NULL */
+    float *decode;    /**< sRGB -> linear for half samples, else NULL */
     tz_status status; /**< first failure sticks */
     void *state;      /**< the format's own */
 };

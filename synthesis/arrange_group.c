@@ -132,7 +132,7 @@ static void find_similar(tz_stars *s, int32_t self, double scale)
     double best[TZ_SIMILAR], gap[SHORTLIST];
     int32_t list[SHORTLIST], n = 0;
     for (int32_t j = s->first[a->exemplar]; j < s->first[a->exemplar + 1]; j++) {
-        const double d = fabs(s->star.v[j].size - a->size);
+        const double d = fabs((double)s->star.v[j].size - a->size);
         if (j == self || (n == SHORTLIST && d >= gap[n - 1]))
             continue;
         int32_t at = n < SHORTLIST ? n++ : n - 1;

@@ -475,7 +475,7 @@ static bool inside(const tz_star *s, const tz_grown *q, const float radius[TZ_RA
     double a = atan2(p.y, p.x) / (2 * TZ_PI);
     a -= floor(a);
     const int i = (int)(a * TZ_RAYS) % TZ_RAYS, j = (i + 1) % TZ_RAYS;
-    return tz_vec2_length(p) < fmin(radius[i], radius[j]) * 0.98;
+    return tz_vec2_length(p) < 0.98 * fminf(radius[i], radius[j]);
 }
 
 /* Feature that a layout point shows, through the piece that owns its cell. */

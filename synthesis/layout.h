@@ -9,27 +9,31 @@
 #include "base/geom.h"
 #include "base/image.h"
 
-typedef enum tz_medium { TZ_MEDIUM_EDGE_GROUP, TZ_MEDIUM_ELEMENT, TZ_MEDIUM_CURVE } tz_medium;
+typedef enum tz_medium {
+    TZ_MEDIUM_EDGE_GROUP,
+    TZ_MEDIUM_ELEMENT,
+    TZ_MEDIUM_CURVE
+} tz_medium;
 
 /** A photo (or drawing) that placements take their pixels from. */
 typedef struct tz_layout_source {
-    char *path;         /**< as this program opens it: relative to the working folder, or
+    char *path;      /**< as this program opens it: relative to the working folder, or
                              absolute; the document holds it relative to itself */
-    char sha256[65];    /**< of the file, "" = unknown */
+    char sha256[65]; /**< of the file, "" = unknown */
     int32_t width, height;
 } tz_layout_source;
 
 /** One placed thing. An edge group shows the source's pixels inside its border, moved by
  * `map`. Later placements cover earlier ones. */
 typedef struct tz_placement {
-    tz_affine map;      /**< source px -> layout px */
-    int32_t source;     /**< index into tz_layout.source */
-    int32_t group;      /**< edge group of the source's EBPT, -1 = none (drawn by hand) */
-    int32_t border;     /**< first of its border points in tz_layout.border */
-    int32_t points;     /**< 3 or more; simple polygon, source px */
-    uint8_t medium;     /**< tz_medium */
-    uint8_t fixed;      /**< set by the artist: arranging again keeps it */
-    uint8_t removed;    /**< left out; slots keep their ids until tz_layout_compact */
+    tz_affine map;   /**< source px -> layout px */
+    int32_t source;  /**< index into tz_layout.source */
+    int32_t group;   /**< edge group of the source's EBPT, -1 = none (drawn by hand) */
+    int32_t border;  /**< first of its border points in tz_layout.border */
+    int32_t points;  /**< 3 or more; simple polygon, source px */
+    uint8_t medium;  /**< tz_medium */
+    uint8_t fixed;   /**< set by the artist: arranging again keeps it */
+    uint8_t removed; /**< left out; slots keep their ids until tz_layout_compact */
 } tz_placement;
 
 typedef struct tz_point {
@@ -37,12 +41,15 @@ typedef struct tz_point {
 } tz_point;
 
 typedef struct tz_layout {
-    int32_t width, height;           /**< px */
-    bool tile;                       /**< lives on a torus: things wrap at the borders */
-    TZ_ARRAY(tz_layout_source) source;
-    TZ_ARRAY(tz_placement) place;    /**< in drawing order, first = lowest */
-    TZ_ARRAY(tz_point) border;       /**< pool of border points */
-    char *recipe;                    /**< JSON text or NULL */
+    int32_t width, height; /**< px */
+    bool tile;             /**< lives on a torus: things wrap at the borders */
+    TZ_ARRAY(tz_layout_source)
+    source;
+    TZ_ARRAY(tz_placement)
+    place; /**< in drawing order, first = lowest */
+    TZ_ARRAY(tz_point)
+    border;       /**< pool of border points */
+    char *recipe; /**< JSON text or NULL */
     tz_ctx *ctx;
 } tz_layout;
 
@@ -83,7 +90,8 @@ TZ_API tz_status tz_layout_parse(tz_ctx *ctx, const char *name, const char *text
  * is open the layout changes through it alone, and tz_layout_compact waits: ids must hold.
  * What is placed or changed by hand becomes `fixed`. On error nothing is changed. */
 typedef struct tz_layout_edit tz_layout_edit;
-TZ_API tz_status tz_layout_edit_new(tz_layout *l, tz_layout_edit **out); /**< l must outlive it */
+TZ_API tz_status tz_layout_edit_new(tz_layout *l,
+                                    tz_layout_edit **out); /**< l must outlive it */
 TZ_API void tz_layout_edit_free(tz_layout_edit *e);
 /** (Where a layout leaves void, the nearest placements fill it, and moving one may change
  * void pixels anywhere: render the whole again there.)
@@ -94,13 +102,18 @@ TZ_API void tz_layout_edit_free(tz_layout_edit *e);
 TZ_API tz_status tz_layout_edit_place(tz_layout_edit *e, int32_t source, int32_t group,
                                       tz_affine map, const tz_point *border, int32_t n,
                                       int32_t *id, tz_rect *dirty);
-TZ_API tz_status tz_layout_edit_map(tz_layout_edit *e, int32_t id, tz_affine map, tz_rect *dirty);
-TZ_API tz_status tz_layout_edit_move(tz_layout_edit *e, int32_t id, tz_vec2 by, tz_rect *dirty);
+TZ_API tz_status tz_layout_edit_map(tz_layout_edit *e, int32_t id, tz_affine map,
+                                    tz_rect *dirty);
+TZ_API tz_status tz_layout_edit_move(tz_layout_edit *e, int32_t id, tz_vec2 by,
+                                     tz_rect *dirty);
 /** Turns about the placement's centre (mean of its border). */
-TZ_API tz_status tz_layout_edit_rotate(tz_layout_edit *e, int32_t id, double angle, tz_rect *dirty);
-TZ_API tz_status tz_layout_edit_scale(tz_layout_edit *e, int32_t id, double factor, tz_rect *dirty);
+TZ_API tz_status tz_layout_edit_rotate(tz_layout_edit *e, int32_t id, double angle,
+                                       tz_rect *dirty);
+TZ_API tz_status tz_layout_edit_scale(tz_layout_edit *e, int32_t id, double factor,
+                                      tz_rect *dirty);
 TZ_API tz_status tz_layout_edit_remove(tz_layout_edit *e, int32_t id, tz_rect *dirty);
-TZ_API tz_status tz_layout_edit_undo(tz_layout_edit *e, tz_rect *dirty); /**< TZ_INVALID: nothing */
+TZ_API tz_status tz_layout_edit_undo(tz_layout_edit *e,
+                                     tz_rect *dirty); /**< TZ_INVALID: nothing */
 TZ_API tz_status tz_layout_edit_redo(tz_layout_edit *e, tz_rect *dirty);
 
 TZ_API bool tz_layout_edit_can_undo(const tz_layout_edit *e);

@@ -115,11 +115,8 @@ static tz_status path_shape(tz_ctx *ctx, const char *d, tz_polygon *p)
             finish(&sub, &best);
             at = start;
             continue;
-        case TZ_PATH_LINE:
-            k++;
-            break;
-        default:
-            k += 3;
+        case TZ_PATH_LINE: k++; break;
+        default: k += 3;
         }
         if (path.verb.v[i] != TZ_PATH_MOVE && !sub.n) /* goes on after a close */
             st = push(ctx, &sub, start.x, start.y);

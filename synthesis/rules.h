@@ -18,25 +18,29 @@ typedef enum tz_structure {
 typedef struct tz_rule {
     char name[64];
     /* where: shape in units of the layout (0..1), or a mask; both absent = everywhere */
-    TZ_ARRAY(tz_vec2) shape; /**< polygon; the JSON also takes "rect" and "circle" */
-    int32_t mask;            /**< index into tz_rules.mask, -1 = none; grey > 0.5 = inside */
-    double feather;          /**< px: width of the random transition at its border */
-    int32_t structure;       /**< tz_structure */
-    double size[2];          /**< limits of group size (tz_edge_group.size), px */
-    double rotation[2];      /**< rad, drawn uniformly; NAN, NAN = automatic */
-    int32_t field;           /**< index into tz_rules.mask of a rotation field (grey 0..1 =
+    TZ_ARRAY(tz_vec2)
+    shape;              /**< polygon; the JSON also takes "rect" and "circle" */
+    int32_t mask;       /**< index into tz_rules.mask, -1 = none; grey > 0.5 = inside */
+    double feather;     /**< px: width of the random transition at its border */
+    int32_t structure;  /**< tz_structure */
+    double size[2];     /**< limits of group size (tz_edge_group.size), px */
+    double rotation[2]; /**< rad, drawn uniformly; NAN, NAN = automatic */
+    int32_t field;      /**< index into tz_rules.mask of a rotation field (grey 0..1 =
                                   0..2 pi; RG(B) = vector 2v - 1), -1 = none */
-    double scale[2];         /**< factor; NAN, NAN = automatic */
-    double density;          /**< factor on groups per area: > 1 = closer, smaller pieces */
+    double scale[2];    /**< factor; NAN, NAN = automatic */
+    double density;     /**< factor on groups per area: > 1 = closer, smaller pieces */
     uint32_t length_bins, angle_bins; /**< bit sets of the bins used, ~0 = all; a group is
                                   used if its meta bins or one of its edges match */
-    TZ_ARRAY(int32_t) groups; /**< whitelist, empty = all */
-    int32_t source;          /**< exemplar index, -1 = all */
+    TZ_ARRAY(int32_t)
+    groups;         /**< whitelist, empty = all */
+    int32_t source; /**< exemplar index, -1 = all */
 } tz_rule;
 
 typedef struct tz_rules {
-    TZ_ARRAY(tz_rule) rule;   /**< the last rule that contains a point holds there */
-    TZ_ARRAY(tz_image) mask;  /**< loaded images, data encoding */
+    TZ_ARRAY(tz_rule)
+    rule; /**< the last rule that contains a point holds there */
+    TZ_ARRAY(tz_image)
+    mask; /**< loaded images, data encoding */
     tz_ctx *ctx;
 } tz_rules;
 
@@ -57,6 +61,7 @@ TZ_API void tz_rules_deinit(tz_rules *r); /**< takes zeroed */
  * borders. Always valid: rule 0 is everywhere. */
 TZ_API int32_t tz_rules_at(const tz_rules *r, int32_t w, int32_t h, tz_vec2 p, double u);
 /** Angle of a rule's rotation field at p, rad; 0 if it has none. */
-TZ_API double tz_rules_field(const tz_rules *r, int32_t rule, int32_t w, int32_t h, tz_vec2 p);
+TZ_API double tz_rules_field(const tz_rules *r, int32_t rule, int32_t w, int32_t h,
+                             tz_vec2 p);
 
 #endif

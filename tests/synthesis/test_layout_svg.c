@@ -71,32 +71,22 @@ static void drop(tz_layout *l)
 static float any_float(tz_rng *r)
 {
     switch (tz_rng_below(r, 6)) {
-    case 0:
-        return (float)tz_rng_below(r, 2000);
-    case 1:
-        return (float)tz_rng_below(r, 20000) / 8;
-    case 2:
-        return (float)tz_rng_range(r, -5000, 5000);
-    case 3:
-        return (float)(tz_rng_normal(r) * 1e-3);
-    case 4:
-        return (float)(tz_rng_normal(r) * 1e7);
-    default:
-        return tz_rng_below(r, 2) ? -0.0f : 1e-30f;
+    case 0: return (float)tz_rng_below(r, 2000);
+    case 1: return (float)tz_rng_below(r, 20000) / 8;
+    case 2: return (float)tz_rng_range(r, -5000, 5000);
+    case 3: return (float)(tz_rng_normal(r) * 1e-3);
+    case 4: return (float)(tz_rng_normal(r) * 1e7);
+    default: return tz_rng_below(r, 2) ? -0.0f : 1e-30f;
     }
 }
 
 static double any_double(tz_rng *r)
 {
     switch (tz_rng_below(r, 4)) {
-    case 0:
-        return tz_rng_range(r, -2, 2);
-    case 1:
-        return tz_rng_below(r, 4096);
-    case 2:
-        return tz_rng_normal(r) * 1e5;
-    default:
-        return tz_rng_normal(r) * 1e-5;
+    case 0: return tz_rng_range(r, -2, 2);
+    case 1: return tz_rng_below(r, 4096);
+    case 2: return tz_rng_normal(r) * 1e5;
+    default: return tz_rng_normal(r) * 1e-5;
     }
 }
 
