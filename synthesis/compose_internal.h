@@ -4,10 +4,31 @@
 #ifndef TZ_SYNTHESIS_COMPOSE_INTERNAL_H
 #define TZ_SYNTHESIS_COMPOSE_INTERNAL_H
 
+#include <string.h>
+
 #include "synthesis/compose.h"
 
 /** Four channels of a texel; images hold `lanes` of them per pixel. */
 typedef float tz_f4 __attribute__((vector_size(16)));
+
+static inline tz_f4 tz_load4(const float *p)
+{
+    tz_f4 v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+/** Index 0 .. n - 1 that i means in a row of n continued by mirror images. */
+static inline int32_t tz_mirror(int64_t i, int32_t n)
+{
+    if (n == 1)
+        return 0;
+    const int64_t period = 2 * (int64_t)n;
+    i %= period;
+    if (i < 0)
+        i += period;
+    return (int32_t)(i < n ? i : period - 1 - i);
+}
 
 /* ---- sources -------------------------------------------------------------------- */
 
