@@ -162,39 +162,48 @@ static inline int32_t tz_feature_distance(tz_feature a, tz_feature b)
 #endif
 }
 
-/** How a map changes directions: mirrored, then turned. */
+/** How a map changes directions: mirrored, then turned. The matrix of the pair ALONG,
+ * SLANT, by rows, times 128. */
 typedef struct tz_turn {
-    int32_t flip; /**< -1 mirrored, 1 not */
-    int32_t c, s; /**< cos and sin of twice the angle, times 128 */
-    bool plain;   /**< leaves features as they are, within a few degrees */
+    int16_t m[4];
+    bool plain; /**< leaves features as they are, within a few degrees */
 } tz_turn;
 
 static inline tz_turn tz_turn_of(tz_affine map)
 {
     const double n = map.a * map.a + map.b * map.b;
-    tz_turn t = {tz_affine_det(map) < 0 ? -1 : 1, 128, 0, false};
-    if (n > 0) {
-        t.c = (int32_t)lrint(128 * (map.a * map.a - map.b * map.b) / n);
-        t.s = (int32_t)lrint(256 * map.a * map.b / n);
-    }
-    t.plain = t.flip > 0 && t.c > 0 && t.s > -20 && t.s < 20;
-    return t;
-}
-
-static inline uint8_t tz_feature_byte(int32_t v)
-{
-    return (uint8_t)(v < 0 ? 0 : v > 255 ? 255 : v);
+    const double flip = tz_affine_det(map) < 0 ? -128 : 128;
+    double c = 1, s = 0; /* of twice the angle */
+    if (n > 0)
+        c = (map.a * map.a - map.b * map.b) / n, s = 2 * map.a * map.b / n;
+    return (tz_turn){{(int16_t)lrint(128 * c), (int16_t)lrint(-flip * s),
+                      (int16_t)lrint(128 * s), (int16_t)lrint(flip * c)},
+                     flip > 0 && c > 0 && fabs(s) < 0.15};
 }
 
 /** The feature as a placed piece shows it. */
 static inline tz_feature tz_feature_turn(tz_feature f, const tz_turn *t)
 {
-    if (!t->plain) {
-        const int32_t a = f.v[TZ_FEATURE_ALONG] - 128;
-        const int32_t b = t->flip * (f.v[TZ_FEATURE_SLANT] - 128);
-        f.v[TZ_FEATURE_ALONG] = tz_feature_byte(128 + (t->c * a - t->s * b) / 128);
-        f.v[TZ_FEATURE_SLANT] = tz_feature_byte(128 + (t->s * a + t->c * b) / 128);
+    if (t->plain)
+        return f;
+#if defined(__SSE2__)
+    /* the pair to words about 0, both rows' products and sums, back to bytes */
+    const __m128i q = _mm_loadl_epi64((const __m128i *)f.v);
+    const __m128i m = _mm_loadl_epi64((const __m128i *)t->m);
+    __m128i w = _mm_unpacklo_epi8(_mm_srli_epi64(q, 48), _mm_setzero_si128());
+    w = _mm_shuffle_epi32(_mm_sub_epi16(w, _mm_set1_epi16(128)), 0);
+    w = _mm_add_epi32(_mm_srai_epi32(_mm_madd_epi16(w, m), 7), _mm_set1_epi32(128));
+    w = _mm_packs_epi32(w, w);
+    w = _mm_slli_epi64(_mm_packus_epi16(w, w), 48);
+    const __m128i rest = _mm_srli_epi64(_mm_slli_epi64(q, 16), 16);
+    _mm_storel_epi64((__m128i *)f.v, _mm_or_si128(rest, w));
+#else
+    const int32_t a = f.v[TZ_FEATURE_ALONG] - 128, b = f.v[TZ_FEATURE_SLANT] - 128;
+    for (int k = 0; k < 2; k++) {
+        const int32_t v = 128 + ((t->m[2 * k] * a + t->m[2 * k + 1] * b) >> 7);
+        f.v[TZ_FEATURE_ALONG + k] = (uint8_t)(v < 0 ? 0 : v > 255 ? 255 : v);
     }
+#endif
     return f;
 }
 

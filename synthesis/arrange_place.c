@@ -173,32 +173,39 @@ static double compare(const tz_grower *g, const place *pl, const overlap *o,
     const float ey = (float)(inv.b * c->centre.x + inv.d * c->centre.y + inv.f);
     const float ox = (float)c->centre.x, oy = (float)c->centre.y;
     const float r2 = 1.2F * s->mean_radius * 1.2F * s->mean_radius;
-    const float wmax = (float)f->width, hmax = (float)f->height;
+    const float right = (float)f->width - 0.02F, bottom = (float)f->height - 0.02F;
     /* rough comparisons look at the halved map */
     const bool rough = o == &pl->coarse;
     const tz_feature *v = rough ? f->half : f->v;
     const int64_t stride = rough ? f->half_width : f->width;
     const float unit = rough ? 0.5F : 1;
     const tz_turn turn = tz_turn_of(c->map);
-    /* first where all points fall (this loop has no branch and is vectorised), then the
-     * features of those that hit the star and the photo */
-    float column[POINTS], row[POINTS];
-    int32_t hit[POINTS];
+    /* First where all points fall, then their features. No branch depends on a point: the
+     * first loop is vectorised, the second never waits for a wrong guess; points outside
+     * the star or the photo are read at its border and masked. */
+    int32_t column[POINTS], row[POINTS], hit[POINTS]; /* hit: all bits or none */
     for (int32_t k = 0; k < o->n; k++) {
         const float dx = o->x[k] - ox, dy = o->y[k] - oy;
         const float ux = a * dx + cc * dy, uy = b * dx + d * dy;
         const float px = ux + ex, py = uy + ey;
-        column[k] = unit * px, row[k] = unit * py;
-        hit[k] =
-            (ux * ux + uy * uy <= r2) & (px >= 0) & (py >= 0) & (px < wmax) & (py < hmax);
+        float qx = px < 0 ? 0 : px, qy = py < 0 ? 0 : py;
+        qx = qx > right ? right : qx, qy = qy > bottom ? bottom : qy;
+        column[k] = (int32_t)(unit * qx), row[k] = (int32_t)(unit * qy);
+        hit[k] = -((ux * ux + uy * uy <= r2) & (qx == px) & (qy == py));
     }
     int32_t sum = 0, n = 0;
     for (int32_t half = 0; half < 2; half++) {
-        for (int32_t k = half; k < o->n; k += 2)
-            if (hit[k]) {
-                const tz_feature q = v[(int32_t)row[k] * stride + (int32_t)column[k]];
-                sum += tz_feature_distance(o->f[k], tz_feature_turn(q, &turn));
-                n++;
+        if (turn.plain)
+            for (int32_t k = half; k < o->n; k += 2) {
+                const tz_feature q = v[row[k] * stride + column[k]];
+                sum += tz_feature_distance(o->f[k], q) & hit[k];
+                n -= hit[k];
+            }
+        else
+            for (int32_t k = half; k < o->n; k += 2) {
+                const tz_feature q = v[row[k] * stride + column[k]];
+                sum += tz_feature_distance(o->f[k], tz_feature_turn(q, &turn)) & hit[k];
+                n -= hit[k];
             }
         if (half == 0 && sum > 1.25 * limit * n)
             break;
