@@ -152,6 +152,13 @@ tz_status tz_clone_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image
     double *border = NULL;
     const tz_clone_api *api;
     const int32_t colours = c->channels - (c->alpha >= 0);
+    const tz_rect whole = {0, 0, l->width, l->height};
+    const tz_rect in = tz_rect_intersect(r, whole);
+    if (tz_rect_empty(r) || in.w != r.w || in.h != r.h)
+        return tz_fail(ctx, TZ_INVALID,
+                       "crop %d,%d,%d,%d does not lie inside the layout of %d x %d px",
+                       (int)r.x, (int)r.y, (int)r.w, (int)r.h, (int)l->width,
+                       (int)l->height);
     if (c->kind == TZ_MAP_NORMAL || (colours != 1 && colours != 3))
         return tz_fail(
             ctx, TZ_INVALID,
@@ -162,7 +169,7 @@ tz_status tz_clone_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image
     plain.params.clone = TZ_CLONE_NONE;
     s = tz_image_init(ctx, &all, l->width, l->height, c->channels);
     if (s == TZ_OK)
-        s = tz_composer_render(ctx, &plain, (tz_rect){0, 0, l->width, l->height}, &all);
+        s = tz_composer_render(ctx, &plain, whole, &all);
     const range v = value_range(c);
     if (s == TZ_OK)
         s = canvas_of(ctx, c, &all, v, &canvas);
@@ -170,7 +177,7 @@ tz_status tz_clone_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image
         s = tz_alloc_zero(ctx, &photo, (size_t)c->sources, sizeof *photo);
     for (int32_t k = 0; s == TZ_OK && k < c->sources; k++)
         s = picture_of_source(ctx, c, k, v, &photo[k]);
-    int32_t most = 0;
+    int32_t most = 1;
     for (int32_t k = 0; k < l->place.n; k++)
         most = l->place.v[k].points > most ? l->place.v[k].points : most;
     if (s == TZ_OK)
@@ -181,6 +188,7 @@ tz_status tz_clone_render(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image
         tz_clone_patch patch = {.photo = photo[c->piece[k].source]};
         s = tz_ctx_cancelled(ctx) ? TZ_CANCELLED
                                   : paste(ctx, c, api, k, &patch, border, &canvas);
+        tz_progress_add(ctx, 0); /* its pixels are counted; shows that time goes on */
     }
     if (s == TZ_OK)
         cut_out(c, &all, &canvas, v, r, out);

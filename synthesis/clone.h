@@ -10,7 +10,8 @@
 /** Renders the whole layout and cuts r out of it. 8 bits a channel inside: colours are
  * clipped to 0..1, data keeps the sources' range.
  * @param[out] out  r.w x r.h, as many channels as the composer
- * @return TZ_OK; TZ_INVALID (normal maps, over 4 channels, OpenCV's refusal);
+ * @return TZ_OK; TZ_INVALID (r leaves the layout, normal maps, neither grey nor RGB,
+ *   OpenCV's refusal);
  *   TZ_UNSUPPORTED (module missing); TZ_NOMEM; TZ_CANCELLED
  * @cost the whole layout for any r; a discrete sine transform for each placement's box
  * @source [Kim21] Sec. 5.2; Perez, Gangnet, Blake: Poisson image editing, SIGGRAPH 2003 */

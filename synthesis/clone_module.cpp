@@ -30,6 +30,8 @@ int guard(char *why, size_t n, F &&body) noexcept
     } catch (const std::bad_alloc &) {
         std::snprintf(why, n, "out of memory");
         return 2;
+    } catch (const cv::Exception &e) {
+        return fail(e.code == cv::Error::StsNoMem ? 2 : 1, e.what(), why, n);
     } catch (const std::exception &e) {
         return fail(1, e.what(), why, n);
     } catch (...) {
