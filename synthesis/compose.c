@@ -373,6 +373,90 @@ static void interpolate_down(const tz_composer *c, const tz_correction *g, int64
         out[k] = p[k] + fy * (q[k] - p[k]);
 }
 
+/* Clamped texels of a three-channel picture, straight to where they go. */
+static void put_rgb(const tz_source_plane *s, const float *texel, int32_t n, float *out)
+{
+    typedef int32_t mask __attribute__((vector_size(16)));
+    const tz_f4 lo = tz_load4(s->lo), hi = tz_load4(s->hi);
+    for (int32_t i = 0; i < n; i++, texel += 4, out += 3) {
+        tz_f4 v = tz_load4(texel);
+        mask beyond = v < lo;
+        v = (tz_f4)(((mask)lo & beyond) | ((mask)v & ~beyond));
+        beyond = v > hi;
+        v = (tz_f4)(((mask)hi & beyond) | ((mask)v & ~beyond));
+        memcpy(out, &v, 2 * sizeof *out);
+        out[2] = v[2];
+    }
+}
+
+/* Source pixels of n texels of one placement in layout row ly, from lx on. */
+static void source_span(const tz_composer *c, int32_t id, int64_t lx, int64_t ly,
+                        int32_t n, float *texel)
+{
+    const tz_piece *p = &c->piece[id];
+    const tz_source_plane *s = &c->source[p->source];
+    if (!c->layout->tile) {
+        tz_source_row(s, p->inv, p->exact, lx, ly, n, texel);
+        return;
+    }
+    /* spans of one copy on a torus: the shift changes half a turn off its centre */
+    while (n > 0) {
+        int32_t to = n;
+        const tz_vec2 shift = tz_piece_shift(c, id, (double)lx + 0.5, (double)ly + 0.5);
+        const double mid = 0.5 * (p->x0 + p->x1);
+        const double limit = ceil(shift.x + mid + 0.5 * c->layout->width - 0.5);
+        if (limit > (double)lx && limit < (double)(lx + n))
+            to = (int32_t)(limit - (double)lx);
+        tz_source_row(s, p->inv, p->exact, lx - (int64_t)shift.x, ly - (int64_t)shift.y,
+                      to, texel);
+        lx += to, n -= to, texel += (int64_t)to * c->step;
+    }
+}
+
+static void render_row(const job *b, work *w, tz_rect tile, int32_t y)
+{
+    const tz_composer *c = b->c;
+    const bool correct = c->params.clone == TZ_CLONE_SCREENED;
+    const bool rgb = c->channels == 3 && c->kind != TZ_MAP_NORMAL;
+    const int32_t step = c->step, channels = c->channels;
+    const int64_t ly = (int64_t)tile.y + y;
+    const int32_t *label = w->label + (int64_t)y * tile.w;
+    float *out = tz_image_at(b->out, tile.x - b->r.x, tile.y - b->r.y + y);
+    if (correct)
+        interpolate_down(c, &w->grid[1], ly, w->between);
+    for (int32_t x = 0, e; x < tile.w; x = e) {
+        const int32_t id = label[x];
+        for (e = x + 1; e < tile.w && label[e] == id;)
+            e++;
+        const int32_t n = e - x;
+        float *texel = w->row + (int64_t)x * step;
+        if (id < 0) {
+            memset(texel, 0, (size_t)n * (size_t)step * sizeof *texel);
+            if (rgb)
+                memset(out + 3 * (int64_t)x, 0, 3 * (size_t)n * sizeof *out);
+            continue;
+        }
+        const tz_piece *p = &c->piece[id];
+        source_span(c, id, tile.x + x, ly, n, texel);
+        if (p->turned)
+            turn_normals(p, texel, n, step);
+        if (correct)
+            correct_span(c, &w->grid[1], w, id, tile.x + x, ly, n, texel);
+        if (rgb)
+            put_rgb(&c->source[p->source], texel, n, out + 3 * (int64_t)x);
+        else
+            finish(c, p->source, texel, n);
+    }
+    if (rgb)
+        return;
+    if (step == channels)
+        memcpy(out, w->row, (size_t)tile.w * (size_t)step * sizeof *out);
+    else
+        for (int32_t x = 0; x < tile.w; x++)
+            for (int32_t k = 0; k < channels; k++)
+                out[(int64_t)x * channels + k] = w->row[(int64_t)x * step + k];
+}
+
 static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
 {
     job *b = arg;
@@ -401,62 +485,8 @@ static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
         s = tz_correction_solve(ctx, c, tile, w->grid, &w->scratch);
     if (s != TZ_OK)
         return s;
-    const int32_t step = c->step, channels = c->channels;
-    for (int32_t y = 0; y < tile.h; y++) {
-        const int64_t ly = tile.y + y;
-        const int32_t *label = w->label + (int64_t)y * tile.w;
-        if (correct)
-            interpolate_down(c, &w->grid[1], ly, w->between);
-        float *out = tz_image_at(b->out, tile.x - b->r.x, tile.y - b->r.y + y);
-        for (int32_t x = 0; x < tile.w;) {
-            const int32_t id = label[x];
-            int32_t e = x + 1;
-            while (e < tile.w && label[e] == id)
-                e++;
-            const int32_t n = e - x;
-            float *texel = w->row + (int64_t)x * step;
-            if (id < 0) {
-                memset(texel, 0, (size_t)n * (size_t)step * sizeof *texel);
-                x = e;
-                continue;
-            }
-            const tz_piece *p = &c->piece[id];
-            /* spans of one copy on a torus: the shift changes half a turn off its centre */
-            int32_t from = 0;
-            while (from < n) {
-                int32_t to = n;
-                const int64_t lx = tile.x + x + from;
-                const tz_vec2 shift =
-                    tz_piece_shift(c, id, (double)lx + 0.5, (double)ly + 0.5);
-                if (c->layout->tile) {
-                    const double mid = 0.5 * (p->x0 + p->x1);
-                    const double limit =
-                        ceil(shift.x + mid + 0.5 * c->layout->width - 0.5);
-                    if (limit > (double)lx && limit < (double)(tile.x + x + n))
-                        to = (int32_t)(limit - (double)(tile.x + x));
-                }
-                tz_source_row(&c->source[p->source], p->inv, p->exact,
-                              lx - (int64_t)shift.x, ly - (int64_t)shift.y, to - from,
-                              texel + (int64_t)from * step);
-                from = to;
-            }
-            if (p->turned)
-                turn_normals(p, texel, n, step);
-            if (correct)
-                correct_span(c, &w->grid[1], w, id, tile.x + x, ly, n, texel);
-            finish(c, p->source, texel, n);
-            x = e;
-        }
-        if (step == channels)
-            memcpy(out, w->row, (size_t)tile.w * (size_t)step * sizeof *out);
-        else if (channels == 3)
-            for (int32_t x = 0; x < tile.w; x++)
-                memcpy(out + 3 * (int64_t)x, w->row + 4 * (int64_t)x, 3 * sizeof *out);
-        else
-            for (int32_t x = 0; x < tile.w; x++)
-                for (int32_t k = 0; k < channels; k++)
-                    out[(int64_t)x * channels + k] = w->row[(int64_t)x * step + k];
-    }
+    for (int32_t y = 0; y < tile.h; y++)
+        render_row(b, w, tile, y);
     tz_progress_add(ctx, (int64_t)tile.w * tile.h);
     return TZ_OK;
 }

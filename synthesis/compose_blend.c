@@ -164,12 +164,15 @@ void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i,
         out[k] += theirs[k] - ours[k];
 }
 
-/* Start of the fine grid: the coarse correction, continued bilinearly. */
+/* Start of the fine grid: the coarse correction, continued bilinearly. Neighbours in a row
+ * mostly lie in one coarse cell, whose corners are looked at once. */
 static void prolong(const tz_composer *c, const tz_correction *from, tz_correction *to)
 {
     const int32_t step = c->step;
-    float v[4][TZ_IMAGE_MAX_CHANNELS + 4];
-    for (int32_t j = 0; j < to->ny; j++)
+    float kept[4][TZ_IMAGE_MAX_CHANNELS + 4];
+    const float *v[4] = {NULL};
+    for (int32_t j = 0; j < to->ny; j++) {
+        int32_t last_cell = INT32_MIN, last_id = -1;
         for (int32_t i = 0; i < to->nx; i++) {
             const tz_vec2 p = node_at(to, i, j);
             const double u = (p.x - (double)from->x0) / from->spacing - 0.5;
@@ -178,8 +181,17 @@ static void prolong(const tz_composer *c, const tz_correction *from, tz_correcti
             const float fu = (float)(u - ci), fw = (float)(w - cj);
             const int64_t n = (int64_t)j * to->nx + i;
             const int32_t id = to->label[n];
-            for (int k = 0; k < 4; k++)
-                tz_correction_node(c, from, ci + (k & 1), cj + (k >> 1), id, v[k]);
+            if (ci != last_cell || id != last_id)
+                for (int k = 0; k < 4; k++) {
+                    const int32_t cx = ci + (k & 1), cy = cj + (k >> 1);
+                    const int64_t at = (int64_t)cy * from->nx + cx;
+                    v[k] = from->c + at * step;
+                    if (from->label[at] != id) {
+                        tz_correction_node(c, from, cx, cy, id, kept[k]);
+                        v[k] = kept[k];
+                    }
+                }
+            last_cell = ci, last_id = id;
             float *out = to->c + n * step;
             for (int32_t k = 0; k < step; k++) {
                 const float a = v[0][k] + fu * (v[1][k] - v[0][k]);
@@ -187,6 +199,7 @@ static void prolong(const tz_composer *c, const tz_correction *from, tz_correcti
                 out[k] = a + fw * (b - a);
             }
         }
+    }
 }
 
 int32_t tz_composer_reach(void)

@@ -162,6 +162,13 @@ static tz_status gather(tz_ctx *ctx, const tz_composer *c, double x0, double y0,
     return TZ_OK;
 }
 
+/* Number of the first grid point at or beyond coordinate t (in units of the spacing). */
+static inline int64_t first_point(double t)
+{
+    const int64_t i = (int64_t)(t - 0.5); /* towards zero */
+    return i + ((double)i < t - 0.5);
+}
+
 /* Fills label where (copy of) piece `id`, moved by (mx, my), covers grid points. The grid
  * points are numbered on the layout's own lattice: point I is at (I + 0.5) * spacing. */
 static tz_status fill(tz_ctx *ctx, const tz_composer *c, int32_t id, double mx, double my,
@@ -173,8 +180,8 @@ static tz_status fill(tz_ctx *ctx, const tz_composer *c, int32_t id, double mx, 
     const double *e = c->edge + 2 * (size_t)pl->border;
     const tz_piece *p = &c->piece[id];
     const double inv = 1.0 / spacing;
-    int64_t J0 = (int64_t)ceil((p->y0 + my) * inv - 0.5);
-    int64_t J1 = (int64_t)ceil((p->y1 + my) * inv - 0.5);
+    int64_t J0 = first_point((p->y0 + my) * inv);
+    int64_t J1 = first_point((p->y1 + my) * inv);
     if (J0 < gy0)
         J0 = gy0;
     if (J1 > gy0 + ny)
@@ -208,7 +215,7 @@ static tz_status fill(tz_ctx *ctx, const tz_composer *c, int32_t id, double mx, 
             ax = bx, bx = t;
             t = ay, ay = by, by = t;
         }
-        int64_t ra = (int64_t)ceil(ay * inv - 0.5), rb = (int64_t)ceil(by * inv - 0.5);
+        int64_t ra = first_point(ay * inv), rb = first_point(by * inv);
         if (ra < J0)
             ra = J0;
         if (rb > J1)
@@ -233,8 +240,8 @@ static tz_status fill(tz_ctx *ctx, const tz_composer *c, int32_t id, double mx, 
         const int32_t n = (int32_t)row[0];
         int32_t *out = label + (size_t)(J0 + r - gy0) * (size_t)nx;
         for (int32_t k = 1; k + 1 <= n; k += 2) {
-            int64_t a = (int64_t)ceil(row[k] * inv - 0.5) - gx0;
-            int64_t b = (int64_t)ceil(row[k + 1] * inv - 0.5) - gx0;
+            int64_t a = first_point(row[k] * inv) - gx0;
+            int64_t b = first_point(row[k + 1] * inv) - gx0;
             if (a < 0)
                 a = 0;
             if (b > nx)
