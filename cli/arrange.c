@@ -148,8 +148,8 @@ static const tz_option_group groups[] = {
 static const tz_example examples[] = {
     {"Arrange an exemplar over a large layout:",
      "terrazzo arrange rocks.svg -o layout.svg --size 8192x8192 --seed 7"},
-    {"Two photos in one layout:",
-     "terrazzo arrange gravel.png grass.png -o path.svg --rules rules.json"},
+    {"Two photos in one layout (presets lie in data/presets):",
+     "terrazzo arrange gravel.png grass.png -o path.svg --rules two-sources.json"},
 };
 const tz_command tz_arrange_command = {
     .name = "arrange",

@@ -230,9 +230,8 @@ static const tz_example examples[] = {
      "terrazzo expand rocks.jpg -o rocks_big.png --size 2048x2048 --seed 7"},
     {"Eight variants, as EXR files:",
      "terrazzo expand gravel.png -o {name}_{seed}.exr --seeds 1..8"},
-    {"A texture that tiles, with its normals and heights:",
-     "terrazzo expand brick.png -o wall.exr --tile "
-     "--maps normal=brick_n.exr,height=brick_h.exr"},
+    {"A texture that tiles, with a height map (here the photo itself):",
+     "terrazzo expand brick.png -o wall.exr --tile --maps height=brick.png"},
     {"Keep the layout, edit it in Inkscape, and render it again:",
      "terrazzo expand mossy_bark.jpg -o bark.png --save-layout bark.svg && "
      "terrazzo render bark.svg -o bark_edited.png"},

@@ -155,9 +155,8 @@ static const tz_example examples[] = {
     {"All pixels of a layout:", "terrazzo render layout.svg -o texture.exr"},
     {"One piece, the same bytes as in the whole:",
      "terrazzo render layout.svg -o piece.png --crop 1024,512,256,256"},
-    {"The maps of the material, with the same seams:",
-     "terrazzo render layout.svg -o wall.png --maps "
-     "normal=brick_n.png,rough=brick_r.png"},
+    {"A map of the material too, with the same seams:",
+     "terrazzo render layout.svg -o wall.png --maps rough=rocks.jpg"},
 };
 const tz_command tz_render_command = {
     .name = "render",

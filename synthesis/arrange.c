@@ -131,6 +131,22 @@ static tz_status check(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_l
     return TZ_OK;
 }
 
+/* Where a rule leaves nothing to choose from, anything is laid: void is worse. */
+static void warn_of_empty_rules(tz_ctx *ctx, const tz_grower *g)
+{
+    for (int32_t r = 0; r < g->rules->rule.n; r++) {
+        const tz_rule *rule = &g->rules->rule.v[r];
+        int32_t k = 0;
+        while (k < g->stars.count && !tz_star_allowed(g, rule, &g->stars.star.v[k]))
+            k++;
+        if (k == g->stars.count)
+            tz_warn(ctx,
+                    "rules: no group fits rule \"%s\"; all are used there, widen its "
+                    "limits",
+                    rule->name);
+    }
+}
+
 static double piece_size(const tz_exemplar *ex, int32_t n, double wanted)
 {
     if (wanted > 0)
@@ -210,6 +226,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
         if (s != TZ_OK)
             goto done;
     }
+    warn_of_empty_rules(ctx, &g);
     s = tz_grower_run(ctx, &g);
     if (s != TZ_OK)
         goto done;

@@ -301,6 +301,9 @@ static inline const tz_grown *tz_grower_piece(const tz_grower *g, int32_t key)
     return &g->tile[key >> TZ_KEY_BITS].v[key & ((1 << TZ_KEY_BITS) - 1)];
 }
 
+/** Whether a rule lets a star be placed. */
+bool tz_star_allowed(const tz_grower *g, const tz_rule *r, const tz_star *s);
+
 /** Chooses and lays the piece that covers the void layout point v. Reads the canvas around,
  * changes nothing. `rng` names the place. */
 tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng);

@@ -122,7 +122,7 @@ static void look_around(const tz_grower *g, tz_vec2 v, tz_rng *rng, place *pl)
 
 /* ---- candidates ---------------------------------------------------------------------- */
 
-static bool star_allowed(const tz_grower *g, const tz_rule *r, const tz_star *s)
+bool tz_star_allowed(const tz_grower *g, const tz_rule *r, const tz_star *s)
 {
     if (r->source >= 0 && r->source != s->exemplar)
         return false;
@@ -388,7 +388,7 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
             const double u = tz_rng_unit(rng);
             if (!covers(s, &c, pl->at, 0.85))
                 continue;
-            if (u < g->p.coherence && star_allowed(g, pl->rule, s) &&
+            if (u < g->p.coherence && tz_star_allowed(g, pl->rule, s) &&
                 map_allowed(g, pl, s->exemplar, c.map)) {
                 c.score =
                     compare(g, pl, &pl->coarse, &c, INFINITY) + repetition(g, pl, &c);
@@ -397,7 +397,7 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
             for (int m = 0; m < TZ_SIMILAR && s->similar[m] >= 0; m++) {
                 const int32_t like = block + s->similar[m];
                 const tz_star *z = &g->stars.star.v[like];
-                if (!star_allowed(g, pl->rule, z))
+                if (!tz_star_allowed(g, pl->rule, z))
                     continue;
                 candidate d = {like, false, draw_map(g, pl, z, c.centre, rng), c.centre,
                                0};
@@ -517,7 +517,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     const int32_t tries = 100 * g->p.effort;
     for (int32_t k = 0; k < tries; k++) {
         const int32_t id = block + tz_rng_below(rng, stars);
-        if (star_allowed(g, pl->rule, &g->stars.star.v[id]))
+        if (tz_star_allowed(g, pl->rule, &g->stars.star.v[id]))
             try_star(g, pl, id, rng, best, &n);
     }
     tz_grown won = {.star = -1};
@@ -557,7 +557,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     }
     /* nothing fits: the first allowed star (or any) right on the place */
     int32_t id = tz_rng_below(rng, stars);
-    for (int32_t k = 0; k < stars && !star_allowed(g, pl->rule, &g->stars.star.v[id]);
+    for (int32_t k = 0; k < stars && !tz_star_allowed(g, pl->rule, &g->stars.star.v[id]);
          k++)
         id = (id + 1) % stars;
     id += block;

@@ -224,3 +224,16 @@ tz_status tz_layout_compact(tz_layout *l)
     l->place.n = n;
     return TZ_OK;
 }
+
+/* FNV-1a over the six numbers' bytes; -0 counts as 0. */
+uint32_t tz_layout_stamp(tz_affine m)
+{
+    const double v[6] = {m.a + 0.0, m.b + 0.0, m.c + 0.0,
+                         m.d + 0.0, m.e + 0.0, m.f + 0.0};
+    uint8_t byte[sizeof v];
+    uint32_t h = 2166136261U;
+    memcpy(byte, v, sizeof v);
+    for (size_t k = 0; k < sizeof v; k++)
+        h = (h ^ byte[k]) * 16777619U;
+    return h;
+}

@@ -71,6 +71,10 @@ TZ_API int32_t tz_layout_at(const tz_layout *l, tz_vec2 p);
 /** Drops removed placements and unused border points; ids change. */
 TZ_API tz_status tz_layout_compact(tz_layout *l);
 
+/** Short stamp of a map, by which a document tells what was moved since it was written:
+ * equal maps have equal stamps; others do too once in 2^32. */
+TZ_API uint32_t tz_layout_stamp(tz_affine map);
+
 /** SVG 1.1: opens in Inkscape and browsers and shows as it will look; each placement is a
  * <g transform> of the clipped photo, so that it can be moved there and read back.
  * Round trip is exact (maps and borders bit for bit). */

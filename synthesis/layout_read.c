@@ -14,6 +14,7 @@
  *
  * Hostile input: recursion is bounded by MAX_DEPTH, work by MAX_STEPS (uses of uses of
  * uses multiply), a <use> inside its own target is a cycle and an error. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "synthesis/layout_internal.h"
@@ -183,8 +184,11 @@ static tz_status read_notes(tz_reader *r, tz_svg_node n, state *s)
                            r->name, tz_svg_line(n), medium);
         s->medium = k;
     }
-    const char *fixed = tz_svg_attr(n, "tz:fixed");
-    s->fixed = fixed && !strcmp(fixed, "1");
+    /* what an artist has moved since it was written counts as set by hand */
+    const char *fixed = tz_svg_attr(n, "tz:fixed"), *at = tz_svg_attr(n, "tz:at");
+    const bool moved =
+        at && strtoul(at, NULL, 16) != (unsigned long)tz_layout_stamp(s->map);
+    s->fixed = moved || (fixed && !strcmp(fixed, "1"));
     return TZ_OK;
 }
 

@@ -221,6 +221,7 @@ static void put_placement(const tz_layout *l, int32_t id, int32_t border,
     const tz_placement *p = &l->place.v[id];
     tz_svg_begin(w, "g");
     tz_svg_set_affine(w, "transform", p->map);
+    tz_svg_setf(w, "tz:at", "%x", (unsigned)tz_layout_stamp(p->map));
     tz_svg_setf(w, "tz:source", "%d", p->source);
     tz_svg_setf(w, "tz:group", "%d", p->group);
     if (p->medium != TZ_MEDIUM_EDGE_GROUP)

@@ -16,6 +16,7 @@
 #include "base/file.h"
 #include "base/image_io.h"
 #include "base/rng.h"
+#include "base/svg.h"
 #include "synthesis/layout.h"
 
 static char dir[64];
@@ -183,6 +184,35 @@ static void test_round_trip(void **state)
         assert_string_equal(tz_ctx_message(ctx), "");
         tz_layout_deinit(&back);
         drop(&l);
+    }
+}
+
+/** What was moved since the document was written is fixed, what was not is not. */
+static void test_moved(void **state)
+{
+    (void)state;
+    const tz_affine map = {1, 0, 0, 1, 10, 20};
+    char text[1200];
+    tz_layout l = {0};
+    for (int moved = 0; moved < 2; moved++) {
+        snprintf(
+            text, sizeof text,
+            "<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100' "
+            "xmlns:xlink='http://www.w3.org/1999/xlink' xmlns:tz='" TZ_NS "'>"
+            "<defs><image id='p' width='64' height='64' xlink:href='a.png'/></defs>"
+            "<g transform='matrix(1 0 0 1 %d 20)' tz:group='3' tz:source='0' tz:at='%%x'>"
+            "<use xlink:href='#p'/></g></svg>",
+            10 + moved);
+        char full[1400];
+        char *mark = strstr(text, "%x");
+        snprintf(full, sizeof full, "%.*s%x%s", (int)(mark - text), text,
+                 (unsigned)tz_layout_stamp(map), mark + 2);
+        read_text(full, &l);
+        assert_int_equal(l.place.n, 1);
+        assert_int_equal(l.place.v[0].group, 3);
+        assert_int_equal(l.place.v[0].fixed, moved);
+        drop(&l);
+        memset(&l, 0, sizeof l);
     }
 }
 
@@ -563,6 +593,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_moved),
         cmocka_unit_test(test_paths),
         cmocka_unit_test(test_document_is_small),
         cmocka_unit_test(test_inkscape),
