@@ -210,7 +210,8 @@ typedef struct job {
     tz_image *out;
     int32_t *label;
     work *work;
-    int32_t tx, ty;
+    int32_t block; /* side, px: TILE or a few of them */
+    int32_t bx;    /* blocks in a row */
 } job;
 
 static tz_status work_init(tz_ctx *ctx, const tz_composer *c, work *w)
@@ -457,20 +458,11 @@ static void render_row(const job *b, work *w, tz_rect tile, int32_t y)
                 out[(int64_t)x * channels + k] = w->row[(int64_t)x * step + k];
 }
 
-static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
+static tz_status render_tile(tz_ctx *ctx, job *b, work *w, tz_rect tile)
 {
-    job *b = arg;
     const tz_composer *c = b->c;
-    work *w = &b->work[worker];
-    if (tz_ctx_cancelled(ctx))
-        return TZ_CANCELLED;
-    tz_status s = work_init(ctx, c, w);
-    if (s != TZ_OK)
-        return s;
-    const int32_t tx = (int32_t)(index % b->tx), ty = (int32_t)(index / b->tx);
-    const tz_rect tile = tz_rect_intersect(
-        b->r, (tz_rect){b->r.x + tx * TILE, b->r.y + ty * TILE, TILE, TILE});
-    s = tz_label_grid(ctx, c, tile.x, tile.y, 1, tile.w, tile.h, w->label, &w->scratch);
+    tz_status s =
+        tz_label_grid(ctx, c, tile.x, tile.y, 1, tile.w, tile.h, w->label, &w->scratch);
     if (s != TZ_OK)
         return s;
     if (b->label) {
@@ -479,16 +471,37 @@ static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
                    w->label + (int64_t)y * tile.w, (size_t)tile.w * sizeof *b->label);
         return TZ_OK;
     }
-    const bool correct = c->params.clone == TZ_CLONE_SCREENED;
     memset(w->corner, 0xff, COLUMNS * KEPT * sizeof *w->corner);
-    if (correct)
-        s = tz_correction_solve(ctx, c, tile, w->grid, &w->scratch);
+    if (c->params.clone == TZ_CLONE_SCREENED)
+        s = tz_correction_fine(ctx, c, tile, &w->grid[0], &w->grid[1], &w->scratch);
     if (s != TZ_OK)
         return s;
     for (int32_t y = 0; y < tile.h; y++)
         render_row(b, w, tile, y);
     tz_progress_add(ctx, (int64_t)tile.w * tile.h);
     return TZ_OK;
+}
+
+/* A block of tiles, which share one coarse grid. */
+static tz_status render_block(tz_ctx *ctx, void *arg, int64_t index, int worker)
+{
+    job *b = arg;
+    const tz_composer *c = b->c;
+    work *w = &b->work[worker];
+    tz_status s = work_init(ctx, c, w);
+    const int32_t x0 = b->r.x + (int32_t)(index % b->bx) * b->block;
+    const int32_t y0 = b->r.y + (int32_t)(index / b->bx) * b->block;
+    const tz_rect block = tz_rect_intersect(b->r, (tz_rect){x0, y0, b->block, b->block});
+    if (s == TZ_OK && !b->label && c->params.clone == TZ_CLONE_SCREENED)
+        s = tz_correction_coarse(ctx, c, block, &w->grid[0], &w->scratch);
+    for (int32_t y = 0; y < block.h && s == TZ_OK; y += TILE)
+        for (int32_t x = 0; x < block.w && s == TZ_OK; x += TILE) {
+            const tz_rect tile = {x0 + x, y0 + y, TILE, TILE};
+            s = tz_ctx_cancelled(ctx)
+                    ? TZ_CANCELLED
+                    : render_tile(ctx, b, w, tz_rect_intersect(block, tile));
+        }
+    return s;
 }
 
 static tz_status run(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image *out,
@@ -500,12 +513,20 @@ static tz_status run(tz_ctx *ctx, const tz_composer *c, tz_rect r, tz_image *out
         return tz_fail(ctx, TZ_INVALID,
                        "crop %d,%d,%d,%d does not lie inside the layout of %d x %d px",
                        (int)r.x, (int)r.y, (int)r.w, (int)r.h, (int)all.w, (int)all.h);
-    job b = {c, r, out, label, NULL, (r.w + TILE - 1) / TILE, (r.h + TILE - 1) / TILE};
     const int workers = tz_ctx_threads(ctx);
+    job b = {c, r, out, label, NULL, TILE, (r.w + TILE - 1) / TILE};
+    int64_t blocks = (int64_t)b.bx * ((r.h + TILE - 1) / TILE);
+    /* a coarse grid's margin is as wide as a tile: larger blocks have less of it, as long
+     * as there are enough of them for all workers */
+    while (b.block < 4 * TILE && blocks / 4 >= 2 * (int64_t)workers) {
+        b.block *= 2;
+        b.bx = (r.w + b.block - 1) / b.block;
+        blocks = (int64_t)b.bx * ((r.h + b.block - 1) / b.block);
+    }
     tz_status s = tz_alloc_zero(ctx, &b.work, (size_t)workers, sizeof *b.work);
     if (s != TZ_OK)
         return s;
-    s = tz_parallel_for(ctx, (int64_t)b.tx * b.ty, render_tile, &b);
+    s = tz_parallel_for(ctx, blocks, render_block, &b);
     for (int k = 0; k < workers; k++)
         work_deinit(ctx, &b.work[k]);
     tz_free(ctx, b.work);

@@ -227,31 +227,46 @@ static void span(tz_correction *g, tz_rect r, int32_t spacing, int32_t margin)
             1 + margin;
 }
 
-tz_status tz_correction_solve(tz_ctx *ctx, const tz_composer *c, tz_rect r,
-                              tz_correction grid[2], tz_label_scratch *scratch)
+static tz_status prepare(tz_ctx *ctx, const tz_composer *c, tz_correction *g,
+                         tz_label_scratch *scratch)
 {
-    tz_correction *fine = &grid[1], *coarse = &grid[0];
-    span(fine, r, TZ_FINE, FINE_STEPS + 1);
-    const tz_rect inner = {(int32_t)fine->x0, (int32_t)fine->y0, fine->nx * TZ_FINE,
-                           fine->ny * TZ_FINE};
-    span(coarse, inner, TZ_COARSE, COARSE_STEPS + 1);
-    coarse->level = 0, fine->level = 1;
-    tz_status s = TZ_OK;
-    for (int k = 0; k < 2 && s == TZ_OK; k++) {
-        tz_correction *g = &grid[k];
-        s = reserve(ctx, c, g);
-        if (s == TZ_OK)
-            s = tz_label_grid(ctx, c, g->x0, g->y0, g->spacing, g->nx, g->ny, g->label,
-                              scratch);
-        if (s != TZ_OK)
-            break;
+    tz_status s = reserve(ctx, c, g);
+    if (s == TZ_OK)
+        s = tz_label_grid(ctx, c, g->x0, g->y0, g->spacing, g->nx, g->ny, g->label,
+                          scratch);
+    if (s == TZ_OK)
         right_hand_side(c, g);
-        if (k == 0)
-            memset(g->c, 0,
-                   (size_t)g->nx * (size_t)g->ny * (size_t)c->step * sizeof *g->c);
-        else
-            prolong(c, coarse, g);
-        iterate(c, g, k == 0 ? COARSE_STEPS : FINE_STEPS);
-    }
     return s;
+}
+
+tz_status tz_correction_coarse(tz_ctx *ctx, const tz_composer *c, tz_rect r,
+                               tz_correction *coarse, tz_label_scratch *scratch)
+{
+    tz_correction fine;
+    span(&fine, r, TZ_FINE, FINE_STEPS + 1);
+    const tz_rect inner = {(int32_t)fine.x0, (int32_t)fine.y0, fine.nx * TZ_FINE,
+                           fine.ny * TZ_FINE};
+    span(coarse, inner, TZ_COARSE, COARSE_STEPS + 1);
+    coarse->level = 0;
+    const tz_status s = prepare(ctx, c, coarse, scratch);
+    if (s != TZ_OK)
+        return s;
+    memset(coarse->c, 0,
+           (size_t)coarse->nx * (size_t)coarse->ny * (size_t)c->step * sizeof *coarse->c);
+    iterate(c, coarse, COARSE_STEPS);
+    return TZ_OK;
+}
+
+tz_status tz_correction_fine(tz_ctx *ctx, const tz_composer *c, tz_rect r,
+                             const tz_correction *coarse, tz_correction *fine,
+                             tz_label_scratch *scratch)
+{
+    span(fine, r, TZ_FINE, FINE_STEPS + 1);
+    fine->level = 1;
+    const tz_status s = prepare(ctx, c, fine, scratch);
+    if (s != TZ_OK)
+        return s;
+    prolong(c, coarse, fine);
+    iterate(c, fine, FINE_STEPS);
+    return TZ_OK;
 }

@@ -140,8 +140,13 @@ typedef struct tz_correction {
     size_t cap;          /**< nodes allocated */
 } tz_correction;
 
-tz_status tz_correction_solve(tz_ctx *ctx, const tz_composer *c, tz_rect r,
-                              tz_correction grid[2], tz_label_scratch *scratch);
+/** Solves the coarse grid for all rectangles inside r. */
+tz_status tz_correction_coarse(tz_ctx *ctx, const tz_composer *c, tz_rect r,
+                               tz_correction *coarse, tz_label_scratch *scratch);
+/** Solves the fine grid about r, which lies inside the rectangle of the coarse one. */
+tz_status tz_correction_fine(tz_ctx *ctx, const tz_composer *c, tz_rect r,
+                             const tz_correction *coarse, tz_correction *fine,
+                             tz_label_scratch *scratch);
 void tz_correction_deinit(tz_ctx *ctx, tz_correction *g);
 /** Correction of label `id` at node (i, j): the node's own if the labels agree, else
  * continued through the smooth target image. */

@@ -206,21 +206,24 @@ static tz_status fill(tz_ctx *ctx, const tz_composer *c, int32_t id, double mx, 
     double *table = scratch->cross.v;
     for (int32_t r = 0; r < rows; r++)
         table[(size_t)r * width] = 0;
+    int64_t before = first_point((e[2 * (size_t)(pl->points - 1) + 1] + my) * inv);
     for (int32_t k = 0; k < pl->points; k++) {
-        const int32_t k2 = k + 1 == pl->points ? 0 : k + 1;
-        double ax = e[2 * k] + mx, ay = e[2 * k + 1] + my;
-        double bx = e[2 * k2] + mx, by = e[2 * k2 + 1] + my;
+        const int64_t here = first_point((e[2 * k + 1] + my) * inv);
+        int64_t ra = before < here ? before : here, rb = before < here ? here : before;
+        before = here;
+        ra = ra < J0 ? J0 : ra;
+        rb = rb > J1 ? J1 : rb;
+        if (ra >= rb) /* crosses no row */
+            continue;
+        const int32_t k1 = k == 0 ? pl->points - 1 : k - 1;
+        double ax = e[2 * k1] + mx, ay = e[2 * k1 + 1] + my;
+        double bx = e[2 * k] + mx, by = e[2 * k + 1] + my;
         if (ay > by) {
             double t = ax;
             ax = bx, bx = t;
             t = ay, ay = by, by = t;
         }
-        int64_t ra = first_point(ay * inv), rb = first_point(by * inv);
-        if (ra < J0)
-            ra = J0;
-        if (rb > J1)
-            rb = J1;
-        const double slope = ra < rb ? (bx - ax) / (by - ay) : 0;
+        const double slope = (bx - ax) / (by - ay);
         for (int64_t J = ra; J < rb; J++) {
             double *row = table + (size_t)(J - J0) * width;
             const double y = ((double)J + 0.5) * spacing;

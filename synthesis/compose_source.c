@@ -24,6 +24,13 @@ void tz_source_low(const tz_source_plane *s, int level, double px, double py, fl
     const float fu = (float)(u - i), fv = (float)(v - j);
     const float *p = s->low[level] + ((int64_t)j * (lw + 2) + i) * step;
     const float *q = p + (int64_t)(lw + 2) * step;
+    if (step == 4) {
+        const tz_f4 a = tz_load4(p) + fu * (tz_load4(p + 4) - tz_load4(p));
+        const tz_f4 b = tz_load4(q) + fu * (tz_load4(q + 4) - tz_load4(q));
+        const tz_f4 v = a + fv * (b - a);
+        memcpy(out, &v, sizeof v);
+        return;
+    }
     for (int32_t k = 0; k < step; k++) {
         const float a = p[k] + fu * (p[k + step] - p[k]);
         const float b = q[k] + fu * (q[k + step] - q[k]);
