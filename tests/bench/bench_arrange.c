@@ -4,7 +4,7 @@
  *
  *   bench_arrange PHOTO [SIDE [RUNS]]
  *
- * prints lines: arrange NAME SIDE THREADS PLACEMENTS SECONDS PEAK_MIB */
+ * prints lines: arrange NAME SIDE THREADS PLACEMENTS SECONDS CPU PEAK_MIB */
 #include "synthesis/arrange.h"
 #include "tests/bench/bench.h"
 
@@ -12,7 +12,7 @@ enum { RUNS_MAX = 99 };
 
 static void measure(const char *path, int32_t side, int threads, int runs)
 {
-    double wall[RUNS_MAX];
+    double wall[RUNS_MAX], cpu[RUNS_MAX];
     int32_t placed = 0;
     tz_ctx *ctx = bench_ctx(threads);
     tz_image photo = bench_photo(ctx, path, 0);
@@ -28,15 +28,16 @@ static void measure(const char *path, int32_t side, int threads, int runs)
     const tz_exemplar ex = {&photo, &e, path, ""};
     for (int k = 0; k < runs; k++) {
         tz_layout l = {0};
-        const double start = bench_now();
+        const double start = bench_now(), used = bench_cpu();
         bench_check(ctx, tz_arrange(ctx, &ex, 1, NULL, &ap, &l));
         wall[k] = bench_now() - start;
+        cpu[k] = bench_cpu() - used;
         placed = l.place.n;
         tz_layout_deinit(&l);
     }
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    printf("arrange %s %d %d %d %.4f %.0f\n", name, (int)side, threads, (int)placed,
-           bench_median(wall, runs), bench_peak());
+    printf("arrange %s %d %d %d %.4f %.4f %.0f\n", name, (int)side, threads, (int)placed,
+           bench_median(wall, runs), bench_median(cpu, runs), bench_peak());
     tz_ebpt_deinit(&e);
     tz_image_deinit(&photo);
     tz_ctx_free(ctx);

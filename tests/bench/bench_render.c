@@ -33,7 +33,8 @@ static void star(tz_rng *rng, double r, tz_point p[POINTS])
     }
 }
 
-/* About `groups` patches on a jittered grid. @param lo, hi  diameters, px; 0 = covering */
+/* About `groups` patches on a jittered grid.
+ * @param lo, hi  sides of their boxes, px; 0 = covering */
 static void make_layout(tz_ctx *ctx, const tz_image *photo, int32_t side, int32_t groups,
                         double lo, double hi, tz_layout *l)
 {
@@ -48,7 +49,7 @@ static void make_layout(tz_ctx *ctx, const tz_image *photo, int32_t side, int32_
         for (int32_t i = 0; i < here; i++, placed++) {
             const double dx = (double)side / here, dy = (double)side / rows;
             const double cell = sqrt(dx * dx + dy * dy);
-            const double r = lo > 0 ? 0.5 * tz_rng_range(&rng, lo, hi)
+            const double r = lo > 0 ? 0.5 * tz_rng_range(&rng, lo, hi) / 1.06
                                     : cell * tz_rng_range(&rng, 0.62, 0.72);
             tz_point p[POINTS];
             star(&rng, r, p);
