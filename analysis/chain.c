@@ -275,9 +275,8 @@ static double half_width(const tz_edge_map *m, int32_t x, int32_t y, double nx, 
 static double width_at(const tz_edge_map *m, int32_t x, int32_t y)
 {
     const int64_t p = (int64_t)y * m->width + x;
-    const double angle =
-        0.5 * atan2((double)m->normal[p + (int64_t)m->width * m->height],
-                    (double)m->normal[p]);
+    const double angle = 0.5 * atan2((double)m->normal[p + (int64_t)m->width * m->height],
+                                     (double)m->normal[p]);
     const double nx = cos(angle), ny = sin(angle);
     return half_width(m, x, y, nx, ny) + half_width(m, x, y, -nx, -ny);
 }

@@ -13,6 +13,7 @@
  * goes on and one of the opposite sense does not. A line that fades is not loose, nor is
  * one too short to have a back. broken = loose points per point, over the exemplar's; what
  * lies between the lowest and the highest of the exemplar's halves counts as 1. */
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -143,6 +144,7 @@ typedef struct line_count {
 
 static void add_band(line_count *o, int64_t sum[2][KINDS][2], bool top)
 {
+    assert(sum);
     for (int half = 0; half < 2; half++)
         for (int kind = 0; kind < KINDS; kind++)
             for (int k = 0; k < 2; k++) {

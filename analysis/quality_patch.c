@@ -60,9 +60,9 @@ static const tz_quality_planes *draw_patch(const patch_level *p, int32_t set, in
                                            int32_t *x, int32_t *y)
 {
     const tz_quality_picture *pic = set < 4 ? p->w->exemplar : p->w->output;
-    tz_rng r =
-        tz_rng_make(p->w->params->seed,
-                    tz_rng_stream('p', (uint64_t)p->level * SETS + (uint64_t)set, (uint64_t)i));
+    tz_rng r = tz_rng_make(
+        p->w->params->seed,
+        tz_rng_stream('p', (uint64_t)p->level * SETS + (uint64_t)set, (uint64_t)i));
     const tz_quality_planes *f = &pic->at[i % pic->n].laplace[p->level];
     int32_t x0 = 0, y0 = 0, w = f->w, h = f->h;
     if (set < 4) {

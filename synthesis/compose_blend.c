@@ -170,7 +170,7 @@ static void prolong(const tz_composer *c, const tz_correction *from, tz_correcti
 {
     const int32_t step = c->step;
     float kept[4][TZ_IMAGE_MAX_CHANNELS + 4];
-    const float *v[4] = {NULL};
+    const float *v[4] = {kept[0], kept[1], kept[2], kept[3]};
     for (int32_t j = 0; j < to->ny; j++) {
         int32_t last_cell = INT32_MIN, last_id = -1;
         for (int32_t i = 0; i < to->nx; i++) {
