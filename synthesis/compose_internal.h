@@ -112,8 +112,12 @@ typedef struct tz_label_scratch {
     TZ_ARRAY(int32_t)
     near; /**< pieces that may be the nearest in cell near_cell */
     TZ_ARRAY(int32_t)
+    few; /**< and in the small square few_x, few_y of it */
+    TZ_ARRAY(double)
+    far; /**< distances of `near` while few is made */
+    TZ_ARRAY(int32_t)
     turn; /**< one turn of a small torus */
-    int32_t near_cell;
+    int32_t near_cell, few_x, few_y;
 } tz_label_scratch;
 tz_status tz_label_grid(tz_ctx *ctx, const tz_composer *c, int64_t x0, int64_t y0,
                         int32_t spacing, int32_t nx, int32_t ny, int32_t *label,

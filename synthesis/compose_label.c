@@ -323,6 +323,32 @@ static tz_status gather_near(tz_ctx *ctx, const tz_composer *c, int32_t ci, int3
     return TZ_OK;
 }
 
+/* The same for the square of FEW px about a point of that cell, out of the cell's. */
+enum { FEW = 8 };
+
+static tz_status gather_few(tz_ctx *ctx, const tz_composer *c, double px, double py,
+                            tz_label_scratch *scratch)
+{
+    const double slack = 1.4143 * FEW;
+    double least = INFINITY, mid;
+    tz_status s = tz_array_reserve(ctx, &scratch->few, scratch->near.n);
+    if (s == TZ_OK)
+        s = tz_array_reserve(ctx, &scratch->far, scratch->near.n);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t k = 0; k < scratch->near.n; k++) {
+        double *box = &scratch->far.v[k];
+        distances(c, scratch->near.v[k], px, py, box, &mid);
+        *box = sqrt(*box);
+        least = *box < least ? *box : least;
+    }
+    scratch->few.n = 0;
+    for (int32_t k = 0; k < scratch->near.n; k++)
+        if (scratch->far.v[k] <= least + slack)
+            scratch->few.v[scratch->few.n++] = scratch->near.v[k];
+    return TZ_OK;
+}
+
 /* Nearest piece to a bare point: smallest distance to its box, then to its centre, then
  * the upper one. */
 static tz_status nearest(tz_ctx *ctx, const tz_composer *c, double px, double py,
@@ -330,17 +356,26 @@ static tz_status nearest(tz_ctx *ctx, const tz_composer *c, double px, double py
 {
     const tz_piece_index *ix = &c->index;
     const int32_t ci = cell_of(px, ix->cell, ix->nx), cj = cell_of(py, ix->cell, ix->ny);
+    const int32_t fx = (int32_t)(px / FEW), fy = (int32_t)(py / FEW);
+    tz_status s = TZ_OK;
     if (scratch->near_cell != cj * ix->nx + ci) {
-        const tz_status s = gather_near(ctx, c, ci, cj, scratch);
-        if (s != TZ_OK)
-            return s;
+        s = gather_near(ctx, c, ci, cj, scratch);
         scratch->near_cell = cj * ix->nx + ci;
+        scratch->few_x = -1;
+    }
+    if (s == TZ_OK && (scratch->few_x != fx || scratch->few_y != fy)) {
+        s = gather_few(ctx, c, (fx + 0.5) * FEW, (fy + 0.5) * FEW, scratch);
+        scratch->few_x = fx, scratch->few_y = fy;
+    }
+    if (s != TZ_OK) {
+        scratch->near_cell = -1;
+        return s;
     }
     double best_box = INFINITY, best_mid = INFINITY, box, mid;
-    for (int32_t k = 0; k < scratch->near.n; k++) { /* ids rise */
-        distances(c, scratch->near.v[k], px, py, &box, &mid);
+    for (int32_t k = 0; k < scratch->few.n; k++) { /* ids rise */
+        distances(c, scratch->few.v[k], px, py, &box, &mid);
         if (box < best_box || (box == best_box && mid <= best_mid))
-            *label = scratch->near.v[k], best_box = box, best_mid = mid;
+            *label = scratch->few.v[k], best_box = box, best_mid = mid;
     }
     return TZ_OK;
 }
@@ -352,6 +387,41 @@ static int64_t next_block(int64_t g0, int64_t i, int64_t block)
 {
     const int64_t in = (g0 + i) % block;
     return i + block - (in < 0 ? in + block : in);
+}
+
+typedef struct grid_points {
+    int64_t gx0, gy0;
+    int32_t spacing, nx;
+    int32_t *label;
+} grid_points;
+
+/* Labels of the bare points i0 <= i < i1, j0 <= j < j1, one small square after the other. */
+static tz_status label_bare(tz_ctx *ctx, const tz_composer *c, const grid_points *g,
+                            int64_t i0, int64_t i1, int64_t j0, int64_t j1,
+                            tz_label_scratch *scratch)
+{
+    const tz_layout *l = c->layout;
+    const int64_t few = FEW > g->spacing ? FEW / g->spacing : 1;
+    tz_status s = TZ_OK;
+    for (int64_t jb = j0; jb < j1; jb = next_block(g->gy0, jb, few))
+        for (int64_t ib = i0; ib < i1; ib = next_block(g->gx0, ib, few)) {
+            const int64_t je = next_block(g->gy0, jb, few),
+                          ie = next_block(g->gx0, ib, few);
+            for (int64_t j = jb; j < je && j < j1; j++)
+                for (int64_t i = ib; i < ie && i < i1 && s == TZ_OK; i++) {
+                    int32_t *label = &g->label[j * g->nx + i];
+                    if (*label >= 0)
+                        continue;
+                    double px = ((double)(g->gx0 + i) + 0.5) * g->spacing;
+                    double py = ((double)(g->gy0 + j) + 0.5) * g->spacing;
+                    if (l->tile) {
+                        px -= floor(px / l->width) * l->width;
+                        py -= floor(py / l->height) * l->height;
+                    }
+                    s = nearest(ctx, c, px, py, scratch, label);
+                }
+        }
+    return s;
 }
 
 /* Labels of grid points that are inside the layout or, on a torus, anywhere. */
@@ -399,23 +469,13 @@ static tz_status label_inside(tz_ctx *ctx, const tz_composer *c, int64_t gx0, in
         return TZ_OK;
     /* bare points, one cell of the index after the other */
     const int64_t block = c->index.cell / spacing;
+    const grid_points g = {gx0, gy0, spacing, nx, label};
     scratch->near_cell = -1;
     for (int64_t jb = d; jb < e && s == TZ_OK; jb = next_block(gy0, jb, block))
         for (int64_t ib = a; ib < b && s == TZ_OK; ib = next_block(gx0, ib, block)) {
             const int64_t je = next_block(gy0, jb, block),
                           ie = next_block(gx0, ib, block);
-            for (int64_t j = jb; j < je && j < e; j++)
-                for (int64_t i = ib; i < ie && i < b && s == TZ_OK; i++) {
-                    if (label[j * nx + i] >= 0)
-                        continue;
-                    double px = ((double)(gx0 + i) + 0.5) * spacing;
-                    double py = ((double)(gy0 + j) + 0.5) * spacing;
-                    if (l->tile) {
-                        px -= floor(px / l->width) * l->width;
-                        py -= floor(py / l->height) * l->height;
-                    }
-                    s = nearest(ctx, c, px, py, scratch, &label[j * nx + i]);
-                }
+            s = label_bare(ctx, c, &g, ib, ie < b ? ie : b, jb, je < e ? je : e, scratch);
         }
     if (s != TZ_OK)
         return s;
@@ -476,5 +536,7 @@ void tz_label_scratch_deinit(tz_ctx *ctx, tz_label_scratch *s)
     tz_array_free(ctx, &s->id);
     tz_array_free(ctx, &s->cross);
     tz_array_free(ctx, &s->near);
+    tz_array_free(ctx, &s->few);
+    tz_array_free(ctx, &s->far);
     tz_array_free(ctx, &s->turn);
 }
