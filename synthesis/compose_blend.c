@@ -169,7 +169,7 @@ void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i,
 static void prolong(const tz_composer *c, const tz_correction *from, tz_correction *to)
 {
     const int32_t step = c->step;
-    float kept[4][TZ_IMAGE_MAX_CHANNELS + 4];
+    float kept[4][TZ_IMAGE_MAX_CHANNELS + 4] = {{0}};
     const float *v[4] = {kept[0], kept[1], kept[2], kept[3]};
     for (int32_t j = 0; j < to->ny; j++) {
         int32_t last_cell = INT32_MIN, last_id = -1;
