@@ -80,11 +80,9 @@ static void look_around(const tz_grower *g, tz_vec2 v, tz_rng *rng, place *pl)
     const double piece = g->piece;
     pl->at = v;
     pl->nears = 0;
-    const int32_t w = c->nx * TZ_CELL, h = c->ny * TZ_CELL;
     pl->rule_index =
         tz_rules_at(g->rules, g->p.size[0], g->p.size[1], v, tz_rng_unit(rng));
     pl->rule = &g->rules->rule.v[pl->rule_index];
-    (void)w, (void)h;
     const int32_t ci = (int32_t)floor(v.x / TZ_CELL), cj = (int32_t)floor(v.y / TZ_CELL);
     const int32_t r = (int32_t)(0.75 * piece / TZ_CELL) + 1;
     double sx = 0, sy = 0, n = 0;
