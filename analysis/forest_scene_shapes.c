@@ -178,6 +178,35 @@ tz_vec2 tz_shape_bend_at(const tz_shape_bend *b, double x, double y)
         a * (double)p[1] + bb * (double)p[3] + cc * (double)q[1] + dd * (double)q[3]};
 }
 
+/* ---- fields ----------------------------------------------------------------------------- */
+
+tz_status tz_shape_field_init(tz_canvas *c, uint64_t seed, double wave, int octaves,
+                              tz_shape_field *f)
+{
+    int32_t rows = c->height / BEND_STEP + 2;
+    *f = (tz_shape_field){.cols = c->width / BEND_STEP + 2};
+    tz_status s =
+        tz_alloc(c->ctx, &f->node, (size_t)f->cols * (size_t)rows, sizeof *f->node);
+    for (int32_t i = 0; i < f->cols * rows && s == TZ_OK; i++)
+        f->node[i] = tz_canvas_fbm(seed, i % f->cols * BEND_STEP / wave,
+                                   i / f->cols * BEND_STEP / wave, octaves, 0.5);
+    return s;
+}
+
+void tz_shape_field_deinit(tz_canvas *c, tz_shape_field *f)
+{
+    tz_free(c->ctx, f->node);
+    *f = (tz_shape_field){0};
+}
+
+double tz_shape_field_at(const tz_shape_field *f, int32_t x, int32_t y)
+{
+    const float *p = f->node + (int64_t)(y / BEND_STEP) * f->cols + x / BEND_STEP;
+    double u = (x % BEND_STEP + 0.5) / BEND_STEP, v = (y % BEND_STEP + 0.5) / BEND_STEP;
+    double top = tz_shape_mix((double)p[0], (double)p[1], u);
+    return tz_shape_mix(top, tz_shape_mix((double)p[f->cols], (double)p[f->cols + 1], u), v);
+}
+
 /* ---- cells ------------------------------------------------------------------------------ */
 
 static int32_t find(int32_t *root, int32_t i)

@@ -91,6 +91,20 @@ tz_status tz_shape_bend_init(tz_canvas *c, uint64_t seed, const tz_shape_bend_de
 void tz_shape_bend_deinit(tz_canvas *c, tz_shape_bend *b);
 tz_vec2 tz_shape_bend_at(const tz_shape_bend *b, double x, double y);
 
+/* ---- fields ----------------------------------------------------------------------------- */
+
+/** tz_canvas_fbm over the canvas, taken at every 4th pixel: for noise whose finest octave is
+ * no finer than 16 px. */
+typedef struct tz_shape_field {
+    float *node;
+    int32_t cols;
+} tz_shape_field;
+
+tz_status tz_shape_field_init(tz_canvas *c, uint64_t seed, double wave, int octaves,
+                              tz_shape_field *f);
+void tz_shape_field_deinit(tz_canvas *c, tz_shape_field *f);
+double tz_shape_field_at(const tz_shape_field *f, int32_t x, int32_t y);
+
 /* ---- cells ------------------------------------------------------------------------------ */
 
 /** Voronoi cells of a jittered lattice, stretched, some of them joined: outlines that are
