@@ -4,7 +4,7 @@
  * Cells are found block by block: the points that may own a pixel of an 8 x 8 block, or
  * share a border with those which do, are gathered once from buckets, then every pixel
  * of the block looks at these few only. */
-#include "analysis/forest_scene_canvas.h"
+#include "analysis/forest_scene_rock.h"
 
 #include <float.h>
 #include <string.h>
@@ -13,20 +13,18 @@
 
 enum { BLOCK = 8, NEAR = 14 };
 
-tz_status tz_canvas_points(tz_canvas *c, tz_rng *r, double gap, double margin,
-                           tz_vec2 **out, int32_t *n)
+tz_status tz_rock_points(tz_canvas *c, tz_rng *r, double gap, tz_vec2 from, tz_vec2 to,
+                         tz_vec2 **out, int32_t *n)
 {
     tz_grid g = {0};
-    const double wide = c->width + 2 * margin, high = c->height + 2 * margin;
+    const double wide = to.x - from.x, high = to.y - from.y;
     const double least = sqrt(wide * high / 1e6); /* a million points at most */
     const double apart = gap > least ? gap : least;
     const int64_t tries = (int64_t)(7 * wide * high / (apart * apart)) + 8;
     *out = NULL, *n = 0;
-    tz_status s = tz_grid_init(c->ctx, &g, (tz_vec2){-margin, -margin},
-                               (tz_vec2){wide, high}, apart, false);
+    tz_status s = tz_grid_init(c->ctx, &g, from, (tz_vec2){wide, high}, apart, false);
     for (int64_t i = 0; s == TZ_OK && i < tries; i++) {
-        const double x = tz_rng_range(r, -margin, c->width + margin);
-        const double y = tz_rng_range(r, -margin, c->height + margin);
+        const double x = tz_rng_range(r, from.x, to.x), y = tz_rng_range(r, from.y, to.y);
         int32_t other;
         if (i % 4096 == 0 && tz_ctx_cancelled(c->ctx))
             s = TZ_CANCELLED;
@@ -41,6 +39,13 @@ tz_status tz_canvas_points(tz_canvas *c, tz_rng *r, double gap, double margin,
     }
     tz_grid_deinit(c->ctx, &g);
     return s;
+}
+
+tz_status tz_canvas_points(tz_canvas *c, tz_rng *r, double gap, double margin,
+                           tz_vec2 **out, int32_t *n)
+{
+    return tz_rock_points(c, r, gap, (tz_vec2){-margin, -margin},
+                          (tz_vec2){c->width + margin, c->height + margin}, out, n);
 }
 
 /* ---- cells -------------------------------------------------------------------------- */
@@ -194,11 +199,27 @@ static void fill_block(tz_canvas *c, cells *s, const tz_vec2 *at, tz_rect b,
     }
 }
 
-tz_status tz_canvas_cells(tz_canvas *c, const tz_vec2 *p, const double *weight, int32_t n,
-                          double warp, double warp_size, int32_t *nearest, float *edge)
+/* Warped places of a block's pixels on the plane of the points. */
+static void place_block(const tz_rock_plane *plane, tz_rect b, tz_vec2 *at)
+{
+    for (int32_t i = 0; i < b.w * b.h; i++) {
+        const double u = b.x + i % b.w + 0.5, v = b.y + i / b.w + 0.5;
+        const double su = u / plane->warp_size, sv = v / plane->warp_size;
+        tz_vec2 q = {u, v};
+        if (plane->warp > 0) {
+            q.x += plane->warp *
+                   tz_canvas_fbm(plane->seed, su, sv, plane->octaves, plane->gain);
+            q.y += plane->warp *
+                   tz_canvas_fbm(plane->seed + 1, su, sv, plane->octaves, plane->gain);
+        }
+        at[i] = tz_affine_apply(plane->map, q);
+    }
+}
+
+tz_status tz_rock_cells(tz_canvas *c, const tz_rock_plane *plane, const tz_vec2 *p,
+                        const double *weight, int32_t n, int32_t *nearest, float *edge)
 {
     cells s = {.p = p, .weight = weight, .n = n};
-    const uint64_t seed = tz_rng_stream(c->seed, 0xCE11, (uint64_t)n);
     if (n < 1)
         return tz_fail(c->ctx, TZ_INVALID, "cells need a point");
     tz_status status = fill_buckets(c, &s);
@@ -209,15 +230,7 @@ tz_status tz_canvas_cells(tz_canvas *c, const tz_vec2 *p, const double *weight, 
             const tz_rect b = {x, y, x + BLOCK < c->width ? BLOCK : c->width - x,
                                y + BLOCK < c->height ? BLOCK : c->height - y};
             tz_vec2 at[BLOCK * BLOCK];
-            for (int32_t i = 0; i < b.w * b.h; i++) {
-                const double u = x + i % b.w + 0.5, v = y + i / b.w + 0.5;
-                const double su = u / warp_size, sv = v / warp_size;
-                at[i] = (tz_vec2){u, v};
-                if (warp > 0) {
-                    at[i].x += warp * tz_canvas_fbm(seed, su, sv, 3, 0.5);
-                    at[i].y += warp * tz_canvas_fbm(seed + 1, su, sv, 3, 0.5);
-                }
-            }
+            place_block(plane, b, at);
             fill_block(c, &s, at, b, nearest, edge);
         }
     }
@@ -225,4 +238,16 @@ tz_status tz_canvas_cells(tz_canvas *c, const tz_vec2 *p, const double *weight, 
     tz_free(c->ctx, s.item);
     tz_free(c->ctx, s.near);
     return status;
+}
+
+tz_status tz_canvas_cells(tz_canvas *c, const tz_vec2 *p, const double *weight, int32_t n,
+                          double warp, double warp_size, int32_t *nearest, float *edge)
+{
+    const tz_rock_plane plane = {.map = tz_affine_identity(),
+                                 .warp = warp,
+                                 .warp_size = warp_size,
+                                 .octaves = 3,
+                                 .gain = 0.5,
+                                 .seed = tz_rng_stream(c->seed, 0xCE11, (uint64_t)n)};
+    return tz_rock_cells(c, &plane, p, weight, n, nearest, edge);
 }
