@@ -31,10 +31,14 @@ static void draw_colours(tz_rng *r, bark *k)
     static const float wood[][3] = {{0.13f, 0.10f, 0.075f}, {0.24f, 0.21f, 0.18f},
                                     {0.30f, 0.29f, 0.27f},  {0.20f, 0.11f, 0.06f},
                                     {0.30f, 0.17f, 0.10f},  {0.10f, 0.09f, 0.05f}};
-    static const float pale[][3] = {{0.58f, 0.56f, 0.52f}, {0.30f, 0.28f, 0.25f},
-                                    {0.22f, 0.10f, 0.07f}, {0.33f, 0.33f, 0.24f}};
-    static const float growth[][3] = {{0.40f, 0.42f, 0.10f}, {0.45f, 0.47f, 0.42f},
-                                      {0.55f, 0.36f, 0.06f}, {0.28f, 0.35f, 0.24f},
+    static const float pale[][3] = {{0.58f, 0.56f, 0.52f},
+                                    {0.30f, 0.28f, 0.25f},
+                                    {0.22f, 0.10f, 0.07f},
+                                    {0.33f, 0.33f, 0.24f}};
+    static const float growth[][3] = {{0.40f, 0.42f, 0.10f},
+                                      {0.45f, 0.47f, 0.42f},
+                                      {0.55f, 0.36f, 0.06f},
+                                      {0.28f, 0.35f, 0.24f},
                                       {0.12f, 0.17f, 0.03f}};
     static const float green[3] = {0.14f, 0.17f, 0.03f};
     tz_canvas_colour(r, k->smooth ? pale[tz_rng_below(r, 4)] : wood[tz_rng_below(r, 6)],
@@ -54,11 +58,12 @@ static void draw_parameters(tz_canvas *c, bark *k)
     k->smooth = kind > 0.82;
     bool scaly = kind > 0.5 && !k->smooth;
     k->wide = scaly ? tz_shape_log_range(r, 36, 170) : tz_shape_log_range(r, 22, 110);
-    k->tall = k->wide * (scaly ? tz_shape_log_range(r, 0.9, 2.4)
-                               : tz_shape_log_range(r, 2.5, 8));
+    k->tall = k->wide *
+              (scaly ? tz_shape_log_range(r, 0.9, 2.4) : tz_shape_log_range(r, 2.5, 8));
     k->warp = k->wide * tz_rng_range(r, 0.15, 0.55);
     k->rough = tz_rng_range(r, 1, 3.5);
-    k->half = k->wide * (scaly ? tz_rng_range(r, 0.03, 0.12) : tz_rng_range(r, 0.05, 0.3));
+    k->half =
+        k->wide * (scaly ? tz_rng_range(r, 0.03, 0.12) : tz_rng_range(r, 0.05, 0.3));
     k->close = tz_rng_range(r, scaly ? 0.1 : -0.2, 0.7);
     k->depth = tz_shape_log_range(r, 2, 0.25 * k->wide + 3);
     k->bulge = k->wide * tz_rng_range(r, 0.02, 0.22);
@@ -126,8 +131,8 @@ static spot locate(const bark *k, int32_t x, int32_t y)
     int32_t lo = hit.root < hit.other ? hit.root : hit.other;
     int32_t hi = hit.root < hit.other ? hit.other : hit.root;
     double pair = tz_shape_unit(k->seed + 8, lo, hi);
-    double wide = tz_shape_ramp(-0.9, 0.9, tz_shape_field_at(&k->broad, x, y) + 1.6 * pair -
-                                               0.8 - k->close);
+    double wide = tz_shape_ramp(
+        -0.9, 0.9, tz_shape_field_at(&k->broad, x, y) + 1.6 * pair - 0.8 - k->close);
     return (spot){q, hit.edge, 0.7 + k->half * wide, hit.root};
 }
 
@@ -156,8 +161,9 @@ static void paint_plate(tz_canvas *c, const bark *k, const spot *p, int64_t i)
     }
     c->relief[i] += (float)(k->depth + out + bulge + 0.3 * k->depth * k->grain * g -
                             1.5 * k->grain * crack + 0.8 * step);
-    tz_shape_dim(c, i, (1 + k->grain * g) * (1 - 0.3 * k->grain * crack) *
-                           (1 + 0.06 * step * (tz_shape_unit(k->seed, p->plate, 3) - 0.3)));
+    tz_shape_dim(c, i,
+                 (1 + k->grain * g) * (1 - 0.3 * k->grain * crack) *
+                     (1 + 0.06 * step * (tz_shape_unit(k->seed, p->plate, 3) - 0.3)));
     tz_shape_joint(c, i, p->edge, p->half, k->furrow, 0.9);
     tz_shape_dim(c, i, 1 - 0.4 * (1 - k->dark) * exp(-p->edge / (2 + p->half)));
 }
@@ -175,7 +181,8 @@ static void paint_growth(tz_canvas *c, const bark *k, int64_t i, bool lichen)
     int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
     if (k->moss > 0)
         tz_shape_tint(c, i, k->moss_colour,
-                      k->moss * tz_shape_ramp(-0.1, 0.9, tz_shape_field_at(&k->mossy, x, y)));
+                      k->moss *
+                          tz_shape_ramp(-0.1, 0.9, tz_shape_field_at(&k->mossy, x, y)));
     if (lichen)
         c->relief[i] += 1.2f;
 }
@@ -191,7 +198,9 @@ static tz_status paint_plates(tz_canvas *c, bark *k, spot *spots)
         int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
         spots[i] = locate(k, x, y);
         bool gap = spots[i].half >= 4 && spots[i].edge < spots[i].half;
-        c->segment[i] = gap ? FURROW : lichen_here(k, x, y) ? LICHEN : PLATE + spots[i].plate;
+        c->segment[i] = gap                    ? FURROW
+                        : lichen_here(k, x, y) ? LICHEN
+                                               : PLATE + spots[i].plate;
     }
     tz_shape_things_count(c, &t);
     double rough = tz_rng_range(&c->rng, 0.2, 0.8);
@@ -203,16 +212,18 @@ static tz_status paint_plates(tz_canvas *c, bark *k, spot *spots)
         t.v[j].depth = j == FURROW ? 0 : j == LICHEN ? 2 : 1;
         if (t.v[j].seen == 0)
             continue;
-        tz_canvas_colour(&r, j == FURROW   ? k->furrow
-                             : j == LICHEN ? k->lichen_colour
-                                           : k->base,
+        tz_canvas_colour(&r,
+                         j == FURROW   ? k->furrow
+                         : j == LICHEN ? k->lichen_colour
+                                       : k->base,
                          j >= PLATE ? spread : 0.1, j >= PLATE ? spread : 0.1, colour);
         tz_canvas_skin_draw(&r, colour, j == LICHEN ? 20 : k->wide, rough, &t.v[j].skin);
     }
     for (int64_t i = 0; i < n; i++) {
         int32_t id = c->segment[i];
         c->relief[i] = 0;
-        tz_canvas_skin_at(c, &t.v[id].skin, (int32_t)(i % c->width), (int32_t)(i / c->width));
+        tz_canvas_skin_at(c, &t.v[id].skin, (int32_t)(i % c->width),
+                          (int32_t)(i / c->width));
         if (id == FURROW)
             paint_furrow(c, k, &spots[i], i);
         else
@@ -238,7 +249,8 @@ static mark mark_at(const bark *k, tz_vec2 q, int32_t cols, tz_rect box)
 {
     mark m = {.cell = -1};
     double f = (double)tz_canvas_fbm(k->seed + 14, q.x / 12, q.y / 9, 2, 0.6);
-    int32_t i = (int32_t)((q.x - box.x) / k->mark_x), j = (int32_t)((q.y - box.y) / k->mark_y);
+    int32_t i = (int32_t)((q.x - box.x) / k->mark_x),
+            j = (int32_t)((q.y - box.y) / k->mark_y);
     int32_t cell = j * cols + i;
     if (tz_shape_unit(k->seed + 15, cell, 0) > k->mark_share)
         return m;
@@ -264,8 +276,8 @@ static void paint_skin(tz_canvas *c, const bark *k, tz_vec2 q, const mark *m, in
     double wrinkle = (double)tz_canvas_fbm(k->seed + 16, q.x / 60, q.y / 5, 3, 0.6);
     double scar = (double)tz_canvas_fbm(k->seed + 17, q.x / 12, q.y / 50, 3, 0.6);
     c->relief[i] += (float)(4 + 1.4 * k->grain * wrinkle);
-    tz_shape_dim(c, i, 1 + 0.35 * k->grain * wrinkle +
-                           0.25 * k->grain * fmax(scar - 0.3, 0));
+    tz_shape_dim(c, i,
+                 1 + 0.35 * k->grain * wrinkle + 0.25 * k->grain * fmax(scar - 0.3, 0));
     if (m->cell >= 0) {
         double share = tz_shape_ramp(0, 1.5, m->edge);
         tz_shape_tint(c, i, k->furrow, (0.55 + 0.4 * k->grain) * share);
@@ -292,9 +304,9 @@ static tz_status paint_smooth(tz_canvas *c, bark *k)
         tz_vec2 q = tz_shape_bend_at(&k->bend, x + 0.5, y + 0.5);
         mark m = mark_at(k, q, cols, box);
         bool lichen = lichen_here(k, x, y);
-        c->segment[i] = lichen                       ? LICHEN
+        c->segment[i] = lichen                      ? LICHEN
                         : m.cell >= 0 && m.b >= 4.5 ? PLATE + 1 + m.cell
-                                                     : PLATE;
+                                                    : PLATE;
         c->line[i] = !lichen && m.cell >= 0 && m.b < 4.5 && fabs(m.u * m.b) <= 0.5;
         c->relief[i] = 0;
         tz_canvas_skin_at(c, &t.v[lichen ? LICHEN : PLATE].skin, x, y);

@@ -204,7 +204,8 @@ double tz_shape_field_at(const tz_shape_field *f, int32_t x, int32_t y)
     const float *p = f->node + (int64_t)(y / BEND_STEP) * f->cols + x / BEND_STEP;
     double u = (x % BEND_STEP + 0.5) / BEND_STEP, v = (y % BEND_STEP + 0.5) / BEND_STEP;
     double top = tz_shape_mix((double)p[0], (double)p[1], u);
-    return tz_shape_mix(top, tz_shape_mix((double)p[f->cols], (double)p[f->cols + 1], u), v);
+    return tz_shape_mix(top, tz_shape_mix((double)p[f->cols], (double)p[f->cols + 1], u),
+                        v);
 }
 
 /* ---- cells ------------------------------------------------------------------------------ */
