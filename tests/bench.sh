@@ -4,8 +4,8 @@
 #
 #   tests/bench.sh BUILDDIR [SECTION...]
 #
-# Sections: analyze, render, arrange, expand, scores, others (layout documents, the measures
-# themselves); huge (32,768 x 32,768 px, writes some
+# Sections: analyze, edges, render, arrange, expand, scores, others (layout documents, the
+# measures themselves); huge (32,768 x 32,768 px, writes some
 # 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
 # BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
 # those of TZ_PHOTOS (a folder), else ../shared/exemplars/photos beside the repository, else
@@ -16,7 +16,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
 shift
 sections=("$@")
-[ ${#sections[@]} -gt 0 ] || sections=(analyze render arrange expand scores others)
+[ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores others)
 terrazzo=$build/bin/terrazzo
 tools=$build/tests
 out=$build/bench
@@ -125,6 +125,34 @@ bench_analyze() {
             printf "  %-34s %6s %7s %7s %9s  %s\n", "photo", "side", "groups", "edges", "s", "goal" }
             { printf "  %-34s %6d %7d %7d %9.4f  %s\n", $1, $2, $3, $4, $5, $6 }'
     rows analyze photo side groups edges seconds goal <"$out/lines"
+}
+
+bench_edges() {
+    title "edges: boundaries found against known ones, 130 scenes that no detector was trained on
+and parts of photos drawn by hand; tolerance 0.0075 of the diagonal, each rival at its best setting
+(goal: the forest's ODS above every rival's on scenes and photos)"
+    local folder model=$here/../data/edge-forest.yml.gz options=(--scenes 130 --seed 1000000)
+    if [ -s "$model" ]; then
+        options+=(--model "$model")
+    else
+        echo "  data/edge-forest.yml.gz is not there: the forest is left out"
+    fi
+    folder=$(dirname "${photos[0]}")
+    options+=(--truth "$here/truth" --photos "$folder")
+    "$tools/bench_edges" "${options[@]}" | cut -d' ' -f2- >"$out/lines"
+    [ "${PIPESTATUS[0]}" -eq 0 ] || return 1
+    awk '{ if ($1 != set) print ""
+          if (!set) printf "  %-26s %8s %-14s %-12s %6s %6s %6s %9s\n", "set", "pictures",
+              "detector", "setting", "ODS", "OIS", "AP", "s"
+          set = $1
+          printf "  %-26s %8d %-14s %-12s %6.3f %6.3f %6.3f %9.4f\n", $1, $2, $3, $4, $5, $6, $7, $8
+          if ($1 != "scenes" && $1 != "photos") next
+          if ($3 == "forest") forest[$1] = $5
+          else if ($3 != "forest-opencv" && $5 > rival[$1]) rival[$1] = $5 }
+        END { print ""
+            for (s in forest) printf "  %s: forest %.3f, best of the others %.3f: %s\n", s,
+                forest[s], rival[s], (forest[s] > rival[s] ? "met" : "MISSED") }' "$out/lines"
+    rows edges set pictures detector setting ods ois ap seconds <"$out/lines"
 }
 
 bench_render() {
@@ -307,14 +335,14 @@ line=$(machine)
 echo "bench: $line"
 for section in "${sections[@]}"; do
     case $section in
-    analyze | render | arrange | expand | scores | others | huge)
+    analyze | edges | render | arrange | expand | scores | others | huge)
         "bench_$section" || { echo "  $section failed"; failed=1; } ;;
     *) echo "bench: no section $section" >&2; exit 2 ;;
     esac
 done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
-    for section in analyze render arrange expand scores others huge; do
+    for section in analyze edges render arrange expand scores others huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'
