@@ -50,4 +50,10 @@ TZ_API tz_boundary_score tz_boundary_score_of(const tz_boundary_counts *counts,
 TZ_API tz_status tz_boundary_thin(tz_ctx *ctx, const float *response, int32_t width,
                                   int32_t height, float *strength);
 
+/** Direction across the ridges of a response, as tz_boundary_thin takes it.
+ * @param[out] normal  planes of width * height: cos, sin of twice the angle; 1, 0 where the
+ *                     response is flat */
+TZ_API tz_status tz_boundary_normals(tz_ctx *ctx, const float *response, int32_t width,
+                                     int32_t height, float *normal);
+
 #endif

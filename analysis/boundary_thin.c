@@ -28,7 +28,7 @@ typedef struct thin_job {
     int32_t width, height;
     const float *response;
     float *clean, *rows, *smooth; /* without NaN; smoothed along x; along both */
-    float *strength;
+    float *strength, *normal;
 } thin_job;
 
 /* Index into 0..n-1, mirrored at the ends. */
@@ -84,19 +84,27 @@ static float smooth_at(const thin_job *j, int32_t x, int32_t y)
     return j->smooth[(size_t)mirror(y, j->height) * j->width + mirror(x, j->width)];
 }
 
-/* Unit vector across the ridge; differences over two pixels, as the response itself is
- * some pixels wide. */
-static void find_normal(const thin_job *j, int32_t x, int32_t y, float *nx, float *ny)
+/* Twice the angle across the ridge, times a length; differences over two pixels, as the
+ * response itself is some pixels wide. */
+static void double_angle(const thin_job *j, int32_t x, int32_t y, float *c, float *s)
 {
     const float middle = 2 * smooth_at(j, x, y);
     const float xx = smooth_at(j, x - 2, y) + smooth_at(j, x + 2, y) - middle;
     const float yy = smooth_at(j, x, y - 2) + smooth_at(j, x, y + 2) - middle;
     const float xy = smooth_at(j, x + 1, y + 1) + smooth_at(j, x - 1, y - 1) -
                      smooth_at(j, x - 1, y + 1) - smooth_at(j, x + 1, y - 1);
-    const float a = 0.5f * atan2f(2 * xy, xx - yy);
-    const bool ridge = xx + yy < 0;
-    *nx = ridge ? -sinf(a) : cosf(a);
-    *ny = ridge ? cosf(a) : sinf(a);
+    const float sign = xx + yy < 0 ? -1.0f : 1.0f;
+    *c = sign * (xx - yy);
+    *s = sign * 2 * xy;
+}
+
+static void find_normal(const thin_job *j, int32_t x, int32_t y, float *nx, float *ny)
+{
+    float c, s;
+    double_angle(j, x, y, &c, &s);
+    const float a = 0.5f * atan2f(s, c);
+    *nx = cosf(a);
+    *ny = sinf(a);
 }
 
 static float clean_at(const thin_job *j, float x, float y)
@@ -133,30 +141,59 @@ static tz_status thin_row(tz_ctx *ctx, void *arg, int64_t row, int worker)
     return TZ_OK;
 }
 
+static tz_status normal_row(tz_ctx *ctx, void *arg, int64_t row, int worker)
+{
+    const thin_job *j = arg;
+    const size_t n = (size_t)j->width * j->height, at = (size_t)row * j->width;
+    (void)ctx, (void)worker;
+    for (int32_t x = 0; x < j->width; x++) {
+        float c, s;
+        double_angle(j, x, (int32_t)row, &c, &s);
+        const float length = sqrtf(c * c + s * s);
+        j->normal[at + (size_t)x] = length > 0 ? c / length : 1;
+        j->normal[n + at + (size_t)x] = length > 0 ? s / length : 0;
+    }
+    return TZ_OK;
+}
+
+/* Smooths, then runs `task` over the rows. */
+static tz_status run(tz_ctx *ctx, thin_job *j, tz_task task)
+{
+    const size_t n = (size_t)j->width * j->height;
+    tz_status s;
+
+    if ((s = tz_alloc(ctx, &j->clean, n, sizeof *j->clean)) != TZ_OK)
+        goto done;
+    if ((s = tz_alloc(ctx, &j->rows, n, sizeof *j->rows)) != TZ_OK)
+        goto done;
+    if ((s = tz_alloc(ctx, &j->smooth, n, sizeof *j->smooth)) != TZ_OK)
+        goto done;
+    if ((s = tz_parallel_for(ctx, j->height, smooth_along_x, j)) != TZ_OK)
+        goto done;
+    if ((s = tz_parallel_for(ctx, j->height, smooth_along_y, j)) != TZ_OK)
+        goto done;
+    s = tz_parallel_for(ctx, j->height, task, j);
+done:
+    tz_free(ctx, j->clean);
+    tz_free(ctx, j->rows);
+    tz_free(ctx, j->smooth);
+    return s;
+}
+
 tz_status tz_boundary_thin(tz_ctx *ctx, const float *response, int32_t width,
                            int32_t height, float *strength)
 {
-    const size_t n = (size_t)width * height;
     thin_job j = {
         .width = width, .height = height, .response = response, .strength = strength};
-    tz_status s;
+    return run(ctx, &j, thin_row);
+}
 
-    if ((s = tz_alloc(ctx, &j.clean, n, sizeof *j.clean)) != TZ_OK)
-        goto done;
-    if ((s = tz_alloc(ctx, &j.rows, n, sizeof *j.rows)) != TZ_OK)
-        goto done;
-    if ((s = tz_alloc(ctx, &j.smooth, n, sizeof *j.smooth)) != TZ_OK)
-        goto done;
-    if ((s = tz_parallel_for(ctx, height, smooth_along_x, &j)) != TZ_OK)
-        goto done;
-    if ((s = tz_parallel_for(ctx, height, smooth_along_y, &j)) != TZ_OK)
-        goto done;
-    s = tz_parallel_for(ctx, height, thin_row, &j);
-done:
-    tz_free(ctx, j.clean);
-    tz_free(ctx, j.rows);
-    tz_free(ctx, j.smooth);
-    return s;
+tz_status tz_boundary_normals(tz_ctx *ctx, const float *response, int32_t width,
+                              int32_t height, float *normal)
+{
+    thin_job j = {
+        .width = width, .height = height, .response = response, .normal = normal};
+    return run(ctx, &j, normal_row);
 }
 
 /* ---- skeletons --------------------------------------------------------------------- */

@@ -109,10 +109,12 @@ static tz_status make_responses(tz_ctx *ctx, work *k)
     s = tz_alloc(ctx, &k->borders, (size_t)e->width * e->height, sizeof *k->borders);
     if (s != TZ_OK)
         return s;
-    if (use_forest(&e->params))
-        s = tz_forest_response(ctx, k->photo, e->params.model, k->m.response,
-                               k->m.normal);
-    else
+    if (use_forest(&e->params)) {
+        const tz_forest *forest = NULL;
+        s = tz_forest_of(ctx, e->params.model, &forest);
+        if (s == TZ_OK)
+            s = tz_forest_response(ctx, k->photo, forest, k->m.response, k->m.normal);
+    } else
         s = tz_tensor_response(&k->t, fine, k->m.response, k->m.normal);
     if (s != TZ_OK)
         return s;

@@ -1,97 +1,269 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Hands the photo to the module and turns its orientations into double angles. Photos
- * smaller than the model's patch are mirrored out to 64 px first. */
+/* One scale: channels -> every tree walked down for every patch -> boundary pixels of the
+ * leaves counted -> counts smoothed. A pixel is looked at by (16 / stride)^2 patches with
+ * `evaluated` trees each; neighbouring patches ask different trees. Counts are whole and
+ * the smoothing is a sum of quarters of them, so nothing depends on the order of work.
+ *
+ * A step of a walk is one comparison, value < threshold, that chooses between neighbouring
+ * nodes; a leaf is its own child. Regular features are differences too, against a lane
+ * that is always 0: nothing branches, and four walks go on at once. */
 #include "analysis/forest.h"
 
-#include <errno.h>
+#include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 
-#include "analysis/forest_module.h"
-#include "base/module.h"
+#define INNER TZ_FOREST_INNER
+#define BLOCK 8                  /* rows of patches, or of pixels, a task */
+#define ZERO  TZ_FOREST_CHANNELS /* a lane that holds 0 */
 
-#define LEAST_SIDE    64
-#define LARGEST_MODEL ((int64_t)1 << 30)
+typedef struct walk_node {
+    float threshold;
+    int32_t next; /* at or above the threshold; the node before it below */
+    int32_t a, b; /* places of the two values, floats from the patch's first position */
+} walk_node;
 
-/* Index into 0..n-1, mirrored without doubling the border. */
-static int32_t mirror(int32_t i, int32_t n)
+typedef struct detection {
+    const tz_forest *forest;
+    const walk_node *node;
+    tz_forest_features f;
+    const float *values; /* regular and coarse lanes of a position beside each other */
+    int32_t width, height, stride;
+    int32_t first, rows; /* rows of patches */
+    int32_t columns;     /* patches a row */
+    int32_t *leaf;       /* rows * columns * evaluated */
+    uint16_t *count;     /* rows y0 - 1 .. y1 of pixels, count_rows of them */
+    int32_t count_first, count_rows;
+    int32_t y0, y1;
+    float *response;
+} detection;
+
+/* ---- walks --------------------------------------------------------------------------- */
+
+/* Offset of (regular or coarse) value at `place` of forest_features in joined lanes. */
+static int32_t joined(int32_t place, bool coarse)
 {
-    if (n == 1)
-        return 0;
-    const int32_t k = i % (2 * n - 2);
-    return k < n ? k : 2 * n - 2 - k;
+    const int32_t position = place / TZ_FOREST_LANES, lane = place % TZ_FOREST_LANES;
+    return (2 * position + coarse) * TZ_FOREST_LANES + lane;
 }
 
-static void fill_rgb(const tz_image *photo, float *rgb, int32_t w, int32_t h)
+static tz_status prepare_nodes(tz_ctx *ctx, const tz_forest *f, int32_t width,
+                               walk_node **out)
 {
-    const bool linear = photo->encoding == TZ_ENCODING_LINEAR;
-    for (int32_t y = 0; y < h; y++) {
-        for (int32_t x = 0; x < w; x++) {
-            const float *p =
-                tz_image_at(photo, mirror(x, photo->width), mirror(y, photo->height));
-            for (int32_t c = 0; c < 3; c++) {
-                float v = p[photo->channels >= 3 ? c : 0];
-                v = v > 0 ? (v < 1 ? v : 1) : 0; /* NaN too */
-                *rgb++ = linear ? tz_srgb_encode(v) : v;
-            }
-        }
+    int32_t place[TZ_FOREST_FEATURES][2];
+    const int64_t n = (int64_t)f->trees * f->nodes;
+    walk_node *node = NULL;
+    const tz_status s = tz_alloc(ctx, &node, (size_t)n, sizeof *node);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t i = 0; i < TZ_FOREST_FEATURES; i++) {
+        int32_t a, b;
+        tz_forest_feature_place(i, width, &a, &b);
+        place[i][0] = joined(a, b >= 0);
+        place[i][1] = b >= 0 ? joined(b, true) : joined(a, false) / 16 * 16 + ZERO;
     }
-}
-
-static tz_status check_file(tz_ctx *ctx, const char *model)
-{
-    struct stat info;
-    if (stat(model, &info) != 0)
-        return tz_fail(ctx, TZ_IO, "%s: %s; --model wants a structured-forest model",
-                       model, strerror(errno));
-    if (!S_ISREG(info.st_mode))
-        return tz_fail(ctx, TZ_IO, "%s: not a regular file", model);
-    if (info.st_size > LARGEST_MODEL)
-        return tz_fail(ctx, TZ_LIMIT, "%s: over 1 GiB, not an edge model", model);
+    for (int64_t i = 0; i < n; i++) {
+        const int32_t c = f->child[i], id = (int32_t)(i / f->nodes) * f->nodes + c;
+        const int32_t *p = place[c ? f->feature[i] : 0];
+        node[i] = c ? (walk_node){f->threshold[i], id, p[0], p[1]}
+                    : (walk_node){-INFINITY, (int32_t)i, p[0], p[1]};
+    }
+    *out = node;
     return TZ_OK;
 }
 
-tz_status tz_forest_response(tz_ctx *ctx, const tz_image *photo, const char *model,
-                             float *response, float *normal)
+static inline int32_t step(const walk_node *node, int32_t at, const float *v)
 {
-    const int32_t w = photo->width > LEAST_SIDE ? photo->width : LEAST_SIDE;
-    const int32_t h = photo->height > LEAST_SIDE ? photo->height : LEAST_SIDE;
-    const size_t n = (size_t)w * h, plane = (size_t)photo->width * photo->height;
-    tz_forest_detect_fn detect = NULL;
-    float *rgb = NULL, *out = NULL;
-    char why[200] = "";
-    tz_status s;
+    const walk_node *n = node + at;
+    return n->next - (v[n->a] - v[n->b] < n->threshold);
+}
 
-    if ((s = check_file(ctx, model)) != TZ_OK)
-        goto done;
-    if ((s = tz_module_symbol(ctx, "forest", "tz_forest_detect", &detect)) != TZ_OK)
-        goto done;
-    if ((s = tz_alloc(ctx, &rgb, n, 3 * sizeof *rgb)) != TZ_OK)
-        goto done;
-    if ((s = tz_alloc(ctx, &out, n, 2 * sizeof *out)) != TZ_OK)
-        goto done;
-    fill_rgb(photo, rgb, w, h);
-    switch (detect(model, rgb, w, h, out, out + n, why, sizeof why)) {
-    case TZ_FOREST_OK: break;
-    case TZ_FOREST_NOMEM: s = tz_fail(ctx, TZ_NOMEM, "%s: out of memory", model); break;
-    case TZ_FOREST_BAD_MODEL:
-        s = tz_fail(ctx, TZ_FORMAT, "%s: not a structured-forest model: %s", model, why);
-        break;
-    case TZ_FOREST_FAILED: s = tz_fail(ctx, TZ_INVALID, "%s: %s", model, why); break;
+/* Leaves that four trees reach from their roots. */
+static void walk_four(const walk_node *node, const float *v, int32_t at[4])
+{
+    int32_t a = at[0], b = at[1], c = at[2], d = at[3];
+    for (;;) {
+        const int32_t na = step(node, a, v), nb = step(node, b, v);
+        const int32_t nc = step(node, c, v), nd = step(node, d, v);
+        if (((na ^ a) | (nb ^ b) | (nc ^ c) | (nd ^ d)) == 0)
+            break;
+        a = na, b = nb, c = nc, d = nd;
     }
-    if (s != TZ_OK)
-        goto done;
-    for (int32_t y = 0; y < photo->height; y++) {
-        for (int32_t x = 0; x < photo->width; x++) {
-            const size_t p = (size_t)y * photo->width + x, q = (size_t)y * w + x;
-            const float a = 2 * out[n + q];
-            response[p] = out[q] > 0 ? out[q] : 0;
-            normal[p] = isfinite(a) ? cosf(a) : 1;
-            normal[p + plane] = isfinite(a) ? sinf(a) : 0;
+    at[0] = a, at[1] = b, at[2] = c, at[3] = d;
+}
+
+static tz_status walk_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
+{
+    const detection *d = arg;
+    const tz_forest *f = d->forest;
+    const int32_t to = ((int32_t)task + 1) * BLOCK, e = f->evaluated;
+    (void)worker;
+    for (int32_t r = (int32_t)task * BLOCK; r < to && r < d->rows; r++) {
+        const int32_t i = d->first + r;
+        int32_t *leaf = d->leaf + (size_t)r * (size_t)d->columns * (size_t)e;
+        for (int32_t j = 0; j < d->columns; j++, leaf += e) {
+            const size_t at = (size_t)(i * d->stride / 2 - d->f.first) * d->f.width +
+                              (size_t)(j * d->stride / 2);
+            const float *v = d->values + at * 2 * TZ_FOREST_LANES;
+            int32_t k = 0;
+            for (int32_t t = 0; t < e; t++)
+                leaf[t] = ((i + j) % (2 * e) + t) % f->trees * f->nodes;
+            for (; k + 4 <= e; k += 4)
+                walk_four(d->node, v, leaf + k);
+            for (; k < e; k++) {
+                int32_t four[4] = {leaf[k], leaf[k], leaf[k], leaf[k]};
+                walk_four(d->node, v, four);
+                leaf[k] = four[0];
+            }
         }
     }
+    return tz_ctx_cancelled(ctx) ? TZ_CANCELLED : TZ_OK;
+}
+
+/* Regular and coarse lanes of a position side by side: one walk reads one place. */
+static tz_status join_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
+{
+    const detection *d = arg;
+    const size_t n = (size_t)d->f.width * TZ_FOREST_LANES;
+    const int32_t to = ((int32_t)task + 1) * BLOCK;
+    (void)ctx, (void)worker;
+    for (int32_t r = (int32_t)task * BLOCK; r < to && r < d->f.rows; r++) {
+        const float *a = d->f.regular + (size_t)r * n, *b = d->f.coarse + (size_t)r * n;
+        float *out = (float *)d->values + (size_t)r * 2 * n;
+        for (size_t x = 0; x < n; x += TZ_FOREST_LANES) {
+            memcpy(out + 2 * x, a + x, TZ_FOREST_LANES * sizeof *out);
+            memcpy(out + 2 * x + TZ_FOREST_LANES, b + x, TZ_FOREST_LANES * sizeof *out);
+        }
+    }
+    return TZ_OK;
+}
+
+/* ---- counts -------------------------------------------------------------------------- */
+
+/* Rows of pixels that this task counts; it reads every patch that reaches them. */
+static tz_status count_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
+{
+    const detection *d = arg;
+    const tz_forest *f = d->forest;
+    const int32_t rows = 4 * BLOCK, from = d->count_first + (int32_t)task * rows;
+    const int32_t end = d->count_first + d->count_rows;
+    const int32_t to = from + rows < end ? from + rows : end, e = f->evaluated;
+    uint16_t *count = d->count + (size_t)(from - d->count_first) * d->width;
+    (void)ctx, (void)worker;
+    memset(count, 0, (size_t)(to - from) * d->width * sizeof *count);
+    for (int32_t r = 0; r < d->rows; r++) {
+        const int32_t top = (d->first + r) * d->stride;
+        if (top + INNER <= from || top >= to)
+            continue;
+        const int32_t *leaf = d->leaf + (size_t)r * (size_t)d->columns * (size_t)e;
+        const bool inside = top >= from && top + INNER <= to;
+        for (int32_t j = 0; j < d->columns; j++)
+            for (int32_t k = 0; k < e; k++, leaf++)
+                for (int32_t p = f->bound[*leaf]; p < f->bound[*leaf + 1]; p++) {
+                    const int32_t y = top + (f->bin[p] & 15), x = f->bin[p] >> 4;
+                    if (inside || (y >= from && y < to))
+                        count[(size_t)(y - from) * d->width + j * d->stride + x]++;
+                }
+    }
+    return TZ_OK;
+}
+
+static int32_t mirror_101(int32_t i, int32_t n)
+{
+    return i < 0 ? -i : i >= n ? 2 * n - 2 - i : i;
+}
+
+/* 1 2 1 both ways, and the weight of one count. */
+static tz_status smooth_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
+{
+    const detection *d = arg;
+    const int32_t w = d->width, to = d->y0 + ((int32_t)task + 1) * BLOCK;
+    const float weight = 2.0F * (float)(d->stride * d->stride) / (INNER * INNER) /
+                         (float)d->forest->evaluated / 16;
+    (void)ctx, (void)worker;
+    for (int32_t y = to - BLOCK; y < to && y < d->y1; y++) {
+        const uint16_t *row[3];
+        float *out = d->response + (size_t)(y - d->y0) * w;
+        for (int k = 0; k < 3; k++)
+            row[k] = d->count +
+                     (size_t)(mirror_101(y + k - 1, d->height) - d->count_first) * w;
+        int32_t before = 0, here = row[0][0] + 2 * row[1][0] + row[2][0], after;
+        before = row[0][1] + 2 * row[1][1] + row[2][1];
+        for (int32_t x = 0; x < w; x++, before = here, here = after) {
+            const int32_t next = x + 1 < w ? x + 1 : w - 2;
+            after = row[0][next] + 2 * row[1][next] + row[2][next];
+            out[x] = (float)(before + 2 * here + after) * weight;
+        }
+    }
+    return TZ_OK;
+}
+
+/* ---- one scale ----------------------------------------------------------------------- */
+
+static tz_status detection_run(tz_ctx *ctx, detection *d)
+{
+    tz_status s;
+    s = tz_parallel_for(ctx, (d->f.rows + BLOCK - 1) / BLOCK, join_rows, d);
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, (d->rows + BLOCK - 1) / BLOCK, walk_rows, d);
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, (d->count_rows + 4 * BLOCK - 1) / (4 * BLOCK),
+                            count_rows, d);
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, (d->y1 - d->y0 + BLOCK - 1) / BLOCK, smooth_rows, d);
+    return s;
+}
+
+tz_status tz_forest_detect(tz_ctx *ctx, const tz_forest *forest, tz_forest_row row,
+                           const void *source, int32_t width, int32_t height,
+                           int32_t stride, int32_t y0, int32_t y1, float *response)
+{
+    detection d = {.forest = forest,
+                   .width = width,
+                   .height = height,
+                   .stride = stride,
+                   .y0 = y0,
+                   .y1 = y1,
+                   .response = response};
+    walk_node *node = NULL;
+    float *values = NULL;
+    tz_status s;
+    d.count_first = y0 > 0 ? y0 - 1 : 0;
+    d.count_rows = (y1 + 1 < height ? y1 + 1 : height) - d.count_first;
+    d.columns = (width - INNER + stride - 1) / stride;
+    const int32_t patches = (height - INNER + stride - 1) / stride;
+    const int32_t reach = d.count_first - (INNER - 1);
+    d.first = reach > 0 ? (reach + stride - 1) / stride : 0;
+    if (d.first > patches - 1)
+        d.first = patches - 1;
+    d.rows = (d.count_first + d.count_rows - 1) / stride + 1;
+    d.rows = (d.rows < patches ? d.rows : patches) - d.first;
+    const int32_t top = d.first * stride / 2;
+    const int32_t bottom = (d.first + d.rows - 1) * stride / 2 + TZ_FOREST_SIDE;
+
+    s = tz_forest_features_init(ctx, row, source, width, height, top, bottom - top, &d.f);
+    if (s != TZ_OK)
+        return s;
+    const size_t places = (size_t)d.f.rows * (size_t)d.f.width;
+    if ((s = prepare_nodes(ctx, forest, d.f.width, &node)) != TZ_OK)
+        goto done;
+    s = tz_alloc(ctx, &values, places, 2 * TZ_FOREST_LANES * sizeof *values);
+    if (s != TZ_OK)
+        goto done;
+    s = tz_alloc(ctx, &d.leaf, (size_t)d.rows * (size_t)d.columns,
+                 (size_t)forest->evaluated * sizeof *d.leaf);
+    if (s != TZ_OK)
+        goto done;
+    s = tz_alloc(ctx, &d.count, (size_t)d.count_rows * (size_t)width, sizeof *d.count);
+    if (s != TZ_OK)
+        goto done;
+    d.node = node;
+    d.values = values;
+    s = detection_run(ctx, &d);
 done:
-    tz_free(ctx, rgb);
-    tz_free(ctx, out);
+    tz_free(ctx, node);
+    tz_free(ctx, values);
+    tz_free(ctx, d.leaf);
+    tz_free(ctx, d.count);
+    tz_forest_features_deinit(&d.f);
     return s;
 }

@@ -34,6 +34,14 @@ typedef struct worker {
     char message[MESSAGE_SIZE]; /* of the item that runs or has failed */
 } worker;
 
+/* A thing that tz_ctx_keep made. */
+typedef struct kept {
+    struct kept *next;
+    void *thing;
+    void (*drop)(void *thing);
+    char name[];
+} kept;
+
 struct tz_ctx {
     tz_ctx_options opt;
     int threads;
@@ -50,6 +58,9 @@ struct tz_ctx {
     tz_progress progress;
     double began, reported;
     atomic_int_fast64_t done;
+
+    pthread_mutex_t kept_lock;
+    struct kept *kept; /* list, newest first */
 
     /* pool: started by the first loop */
     pthread_mutex_t pool_lock;
@@ -95,6 +106,7 @@ tz_status tz_ctx_new(const tz_ctx_options *opt, tz_ctx **out)
     for (int i = 0; i < ctx->threads; i++)
         ctx->workers[i] = (worker){.ctx = ctx, .index = i};
     pthread_mutex_init(&ctx->message_lock, NULL);
+    pthread_mutex_init(&ctx->kept_lock, NULL);
     pthread_mutex_init(&ctx->progress_lock, NULL);
     pthread_mutex_init(&ctx->pool_lock, NULL);
     pthread_cond_init(&ctx->wake, NULL);
@@ -113,6 +125,12 @@ void tz_ctx_free(tz_ctx *ctx)
     pthread_mutex_unlock(&ctx->pool_lock);
     for (int i = 1; i <= ctx->started; i++)
         pthread_join(ctx->workers[i].thread, NULL);
+    for (kept *k = ctx->kept, *next; k; k = next) {
+        next = k->next;
+        k->drop(k->thing);
+        free(k);
+    }
+    pthread_mutex_destroy(&ctx->kept_lock);
     pthread_cond_destroy(&ctx->idle);
     pthread_cond_destroy(&ctx->wake);
     pthread_mutex_destroy(&ctx->pool_lock);
@@ -120,6 +138,34 @@ void tz_ctx_free(tz_ctx *ctx)
     pthread_mutex_destroy(&ctx->message_lock);
     free(ctx->workers);
     free(ctx);
+}
+
+tz_status tz_ctx_keep(tz_ctx *ctx, const char *name,
+                      tz_status (*make)(tz_ctx *ctx, const char *name, void **out),
+                      void (*drop)(void *thing), void **out)
+{
+    const size_t size = strlen(name) + 1;
+    tz_status s = TZ_OK;
+    void *thing = NULL;
+    pthread_mutex_lock(&ctx->kept_lock);
+    kept *k = ctx->kept;
+    while (k && strcmp(k->name, name) != 0)
+        k = k->next;
+    if (!k && (s = make(ctx, name, &thing)) == TZ_OK) {
+        k = malloc(sizeof *k + size);
+        if (k) {
+            *k = (kept){.next = ctx->kept, .thing = thing, .drop = drop};
+            memcpy(k->name, name, size);
+            ctx->kept = k;
+        } else {
+            drop(thing);
+            s = tz_fail(ctx, TZ_NOMEM, "out of memory");
+        }
+    }
+    if (s == TZ_OK)
+        *out = k->thing;
+    pthread_mutex_unlock(&ctx->kept_lock);
+    return s;
 }
 
 int tz_ctx_threads(const tz_ctx *ctx) { return ctx ? ctx->threads : 1; }

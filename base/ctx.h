@@ -52,6 +52,15 @@ TZ_API size_t tz_ctx_memory_peak(const tz_ctx *ctx);
 TZ_API void tz_ctx_cancel(tz_ctx *ctx);
 TZ_API bool tz_ctx_cancelled(const tz_ctx *ctx);
 
+/** A thing that is costly to make and serves every operation of the context (a model):
+ * made when first asked for, kept until tz_ctx_free. May be called from any worker.
+ * @param name  of the thing, copied; handed to `make`, which fails or sets *out
+ * @param drop  frees it  @param[out] out  the thing; untouched on error
+ * @return TZ_OK; TZ_NOMEM; what `make` returns (it is tried again next time) */
+TZ_API tz_status tz_ctx_keep(tz_ctx *ctx, const char *name,
+                             tz_status (*make)(tz_ctx *ctx, const char *name, void **out),
+                             void (*drop)(void *thing), void **out);
+
 /** Records the message unless an earlier error already did; returns `s`, so that callers
  * write `return tz_fail(ctx, TZ_INVALID, "%s: ...", path);`. ctx NULL is allowed.
  * Messages name the file, the place and the remedy, in one line without a full stop. */

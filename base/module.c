@@ -9,6 +9,7 @@
 
 #include <dlfcn.h>
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,24 +29,54 @@ static void *open_in(const char *dir, const char *name, char *error, size_t size
     return handle;
 }
 
+/* Folder of the file that holds this code; false if it cannot be told. */
+static bool own_folder(char self[PATH_MAX])
+{
+    static const char here; /* an address inside that file */
+    Dl_info info;
+    if (!dladdr(&here, &info) || !info.dli_fname || !realpath(info.dli_fname, self))
+        return false;
+    char *slash = strrchr(self, '/');
+    if (slash)
+        *slash = 0;
+    return true;
+}
+
+tz_status tz_module_data(tz_ctx *ctx, const char *name, char **path)
+{
+    static const char *const places[] = {"../share/terrazzo", "../../share/terrazzo",
+                                         TZ_DATA_RELATIVE};
+    char self[PATH_MAX] = "", file[2 * PATH_MAX + 256];
+    bool found = false;
+    if (own_folder(self))
+        for (size_t i = 0; i < sizeof places / sizeof *places && !found; i++) {
+            snprintf(file, sizeof file, "%s/%s/%s", self, places[i], name);
+            found = access(file, R_OK) == 0;
+        }
+    if (!found) {
+        snprintf(file, sizeof file, "%s/%s", TZ_DATA_DIR, name);
+        found = access(file, R_OK) == 0;
+    }
+    if (!found)
+        return tz_fail(ctx, TZ_IO,
+                       "%s: it belongs to Terrazzo but is not there; install "
+                       "it in %s",
+                       name, TZ_DATA_DIR);
+    return tz_strdup(ctx, file, path);
+}
+
 tz_status tz_module_symbol(tz_ctx *ctx, const char *name, const char *symbol, void *out)
 {
-    static const char here; /* an address inside the file that holds this code */
+    static const char *const places[] = {"terrazzo", "../lib/terrazzo",
+                                         TZ_MODULE_RELATIVE};
     char self[PATH_MAX] = "", error[512] = "it is not there";
     void *handle = NULL;
-    Dl_info info;
-    if (dladdr(&here, &info) && info.dli_fname && realpath(info.dli_fname, self)) {
-        char dir[PATH_MAX + 128];
-        char *slash = strrchr(self, '/');
-        if (slash)
-            *slash = 0;
-        static const char *const places[] = {"terrazzo", "../lib/terrazzo",
-                                             TZ_MODULE_RELATIVE};
+    if (own_folder(self))
         for (size_t i = 0; i < sizeof places / sizeof *places && !handle; i++) {
+            char dir[PATH_MAX + 128];
             snprintf(dir, sizeof dir, "%s/%s", self, places[i]);
             handle = open_in(dir, name, error, sizeof error);
         }
-    }
     if (!handle)
         handle = open_in(TZ_MODULE_DIR, name, error, sizeof error);
     if (!handle)

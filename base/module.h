@@ -10,7 +10,7 @@
 #ifndef TZ_BASE_MODULE_H
 #define TZ_BASE_MODULE_H
 
-#include "base/ctx.h"
+#include "base/alloc.h"
 
 /** Opens module `name` if it is not open yet and looks up a symbol of it. The file is
  * looked for beside libterrazzo (or the program that contains it), then where it was
@@ -19,5 +19,11 @@
  * @return TZ_OK; TZ_UNSUPPORTED, with a message that names the module and the folder */
 TZ_API tz_status tz_module_symbol(tz_ctx *ctx, const char *name, const char *symbol,
                                   void *out);
+
+/** Path of a file that Terrazzo ships (a model, presets): beside libterrazzo's folder in
+ * share/terrazzo, then where it was installed.
+ * @param[out] path  free with tz_free
+ * @return TZ_OK; TZ_IO, with a message that names the file and the folder */
+TZ_API tz_status tz_module_data(tz_ctx *ctx, const char *name, char **path);
 
 #endif

@@ -33,3 +33,5 @@ if(TARGET terrazzo_cli)
 endif()
 install(DIRECTORY data/presets OPTIONAL
         DESTINATION ${CMAKE_INSTALL_DATADIR}/terrazzo)
+install(FILES data/edge-forest.yml.gz OPTIONAL
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/terrazzo)

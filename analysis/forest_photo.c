@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A photo at three sizes: half (means of 2 x 2), one, double (interpolated). Rows of each
+ * are made when a slab of rows is detected, so the double-size photo never exists. The
+ * three responses are averaged where the photo's pixels lie. */
+#include <math.h>
+#include <string.h>
+
+#include "analysis/boundary_score.h"
+#include "analysis/forest.h"
+#include "base/module.h"
+#include "base/param.h"
+
+#define LEAST_SIDE  32
+#define SLAB_PIXELS ((int64_t)1 << 21)
+
+typedef struct size {
+    const tz_image *photo;
+    int32_t shift;         /* -1 half, 0 one, 1 double */
+    int32_t width, height; /* of this size; even, at least 32 */
+} size;
+
+/* ---- rows ---------------------------------------------------------------------------- */
+
+/* ... b a | a b ... */
+static int32_t mirror(int32_t i, int32_t n)
+{
+    while (i < 0 || i >= n)
+        i = i < 0 ? -1 - i : 2 * n - 1 - i;
+    return i;
+}
+
+static void pixel(const tz_image *photo, int32_t x, int32_t y, float rgb[3])
+{
+    const bool linear = photo->encoding == TZ_ENCODING_LINEAR;
+    const float *p =
+        tz_image_at(photo, mirror(x, photo->width), mirror(y, photo->height));
+    for (int c = 0; c < 3; c++) {
+        float v = p[photo->channels >= 3 ? c : 0];
+        v = v > 0 ? (v < 1 ? v : 1) : 0; /* NaN too */
+        rgb[c] = linear ? tz_srgb_encode(v) : v;
+    }
+}
+
+static void row_of_one(const tz_image *photo, int32_t y, int32_t from, int32_t n,
+                       float *rgb)
+{
+    for (int32_t x = 0; x < n; x++)
+        pixel(photo, from + x, y, rgb + (ptrdiff_t)3 * x);
+}
+
+static void row_of_half(const tz_image *photo, int32_t y, int32_t n, float *rgb)
+{
+    for (int32_t x = 0; x < n; x++, rgb += 3) {
+        float p[4][3];
+        for (int k = 0; k < 4; k++)
+            pixel(photo, 2 * x + k % 2, 2 * y + k / 2, p[k]);
+        for (int c = 0; c < 3; c++)
+            rgb[c] = 0.25F * ((p[0][c] + p[1][c]) + (p[2][c] + p[3][c]));
+    }
+}
+
+/* Pixel i of the double size lies at (i - 1/2) / 2 of the photo: 3/4 of the nearer one. */
+static void row_of_double(const tz_image *photo, int32_t y, int32_t n, float *rgb)
+{
+    const int32_t near_y = y / 2, far_y = y % 2 ? near_y + 1 : near_y - 1;
+    float before[3], here[3], after[3];
+    for (int32_t i = -1; 2 * i < n; i++) {
+        float a[3], b[3];
+        pixel(photo, i + 1, near_y, a);
+        pixel(photo, i + 1, far_y, b);
+        memcpy(before, here, sizeof here);
+        memcpy(here, after, sizeof here);
+        for (int c = 0; c < 3; c++)
+            after[c] = 0.75F * a[c] + 0.25F * b[c];
+        if (i == -1) { /* mirrored: the pixel before the first is the first */
+            memcpy(here, after, sizeof here);
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
+            rgb[6 * (ptrdiff_t)i + c] = 0.75F * here[c] + 0.25F * before[c];
+            if (2 * i + 1 < n)
+                rgb[6 * (ptrdiff_t)i + 3 + c] = 0.75F * here[c] + 0.25F * after[c];
+        }
+    }
+}
+
+static void photo_row(const void *source, int32_t y, float *rgb)
+{
+    const size *s = source;
+    if (s->shift < 0)
+        row_of_half(s->photo, y, s->width, rgb);
+    else if (s->shift > 0)
+        row_of_double(s->photo, y, s->width, rgb);
+    else
+        row_of_one(s->photo, y, 0, s->width, rgb);
+}
+
+/* ---- sizes --------------------------------------------------------------------------- */
+
+static int32_t even(int32_t n)
+{
+    n += n % 2;
+    return n > LEAST_SIDE ? n : LEAST_SIDE;
+}
+
+static size size_of(const tz_image *photo, int32_t shift)
+{
+    const int32_t w = photo->width, h = photo->height;
+    return shift < 0   ? (size){photo, shift, even((w + 1) / 2), even((h + 1) / 2)}
+           : shift > 0 ? (size){photo, shift, even(2 * w), even(2 * h)}
+                       : (size){photo, shift, even(w), even(h)};
+}
+
+/* Adds rows y0 .. y1 - 1 of `in`, of double the photo's size, to the response. */
+static void add_double(const tz_image *photo, const float *in, int32_t width, int32_t y0,
+                       int32_t y1, float *response)
+{
+    for (int32_t y = y0 / 2; y < y1 / 2 && y < photo->height; y++) {
+        const float *a = in + (size_t)(2 * y - y0) * (size_t)width, *b = a + width;
+        float *out = response + (size_t)y * (size_t)photo->width;
+        for (int32_t x = 0; x < photo->width; x++)
+            out[x] += 0.25F * ((a[2 * x] + a[2 * x + 1]) + (b[2 * x] + b[2 * x + 1]));
+    }
+}
+
+static void add_one(const tz_image *photo, const float *in, int32_t width, int32_t y0,
+                    int32_t y1, float *response)
+{
+    for (int32_t y = y0; y < y1 && y < photo->height; y++)
+        for (int32_t x = 0; x < photo->width; x++)
+            response[(size_t)y * (size_t)photo->width + x] +=
+                in[(size_t)(y - y0) * (size_t)width + x];
+}
+
+/* `in` holds all rows of half the photo's size. */
+static void add_half(const tz_image *photo, const float *in, const size *s,
+                     float *response)
+{
+    for (int32_t y = 0; y < photo->height; y++) {
+        const int32_t far_y = y % 2 ? y / 2 + 1 : y / 2 - 1;
+        const float *a = in + (size_t)(y / 2) * (size_t)s->width;
+        const float *b = in + (size_t)mirror(far_y, s->height) * (size_t)s->width;
+        float *out = response + (size_t)y * (size_t)photo->width;
+        for (int32_t x = 0; x < photo->width; x++) {
+            const int32_t i = x / 2, j = mirror(x % 2 ? i + 1 : i - 1, s->width);
+            out[x] += 0.75F * (0.75F * a[i] + 0.25F * b[i]) +
+                      0.25F * (0.75F * a[j] + 0.25F * b[j]);
+        }
+    }
+}
+
+static tz_status detect_size(tz_ctx *ctx, const tz_forest *forest, const tz_image *photo,
+                             int32_t shift, float *response)
+{
+    const size z = size_of(photo, shift);
+    const int32_t stride = shift > 0 ? 4 : 2;
+    int64_t rows = SLAB_PIXELS / z.width / 2 * 2;
+    float *part = NULL;
+    rows = rows < 64 ? 64 : rows;
+    rows = rows < z.height ? rows : z.height;
+    const int32_t kept = shift < 0 ? z.height : (int32_t)rows;
+    tz_status s = tz_alloc(ctx, &part, (size_t)kept * (size_t)z.width, sizeof *part);
+    for (int32_t y = 0; y < z.height && s == TZ_OK; y += (int32_t)rows) {
+        const int32_t y1 = y + (int32_t)rows < z.height ? y + (int32_t)rows : z.height;
+        float *out = shift < 0 ? part + (size_t)y * (size_t)z.width : part;
+        s = tz_forest_detect(ctx, forest, photo_row, &z, z.width, z.height, stride, y, y1,
+                             out);
+        if (s == TZ_OK && shift > 0)
+            add_double(photo, part, z.width, y, y1, response);
+        else if (s == TZ_OK && shift == 0)
+            add_one(photo, part, z.width, y, y1, response);
+    }
+    if (s == TZ_OK && shift < 0)
+        add_half(photo, part, &z, response);
+    tz_free(ctx, part);
+    return s;
+}
+
+tz_status tz_forest_response(tz_ctx *ctx, const tz_image *photo, const tz_forest *forest,
+                             float *response, float *normal)
+{
+    const size_t n = (size_t)photo->width * (size_t)photo->height;
+    tz_status s = TZ_OK;
+    memset(response, 0, n * sizeof *response);
+    for (int32_t shift = -1; shift <= 1 && s == TZ_OK; shift++)
+        s = detect_size(ctx, forest, photo, shift, response);
+    for (size_t i = 0; i < n; i++)
+        response[i] *= 1.0F / 3;
+    return s == TZ_OK
+               ? tz_boundary_normals(ctx, response, photo->width, photo->height, normal)
+               : s;
+}
+
+/* ---- models -------------------------------------------------------------------------- */
+
+#define SHIPPED "edge-forest.yml.gz"
+
+static void drop(void *thing)
+{
+    tz_forest *f = thing;
+    tz_ctx *ctx = f->ctx;
+    tz_forest_deinit(f);
+    tz_free(ctx, f);
+}
+
+static tz_status make(tz_ctx *ctx, const char *name, void **out)
+{
+    const char *model = strchr(name, ':') + 1;
+    char *path = NULL;
+    tz_forest *f = NULL;
+    tz_status s =
+        *model ? tz_strdup(ctx, model, &path) : tz_module_data(ctx, SHIPPED, &path);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &f, 1, sizeof *f);
+    if (s == TZ_OK)
+        s = tz_forest_read(ctx, path, f);
+    tz_free(ctx, path);
+    if (s == TZ_OK)
+        *out = f;
+    else
+        tz_free(ctx, f);
+    return s;
+}
+
+tz_status tz_forest_of(tz_ctx *ctx, const char *model, const tz_forest **out)
+{
+    char name[sizeof "edge forest:" + TZ_PARAM_STRING_SIZE];
+    void *thing = NULL;
+    snprintf(name, sizeof name, "edge forest:%s", model);
+    const tz_status s = tz_ctx_keep(ctx, name, make, drop, &thing);
+    if (s == TZ_OK)
+        *out = thing;
+    return s;
+}
