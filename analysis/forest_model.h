@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * A structured forest, and its file: OpenCV's YAML (.yml, .yml.gz). Private to analysis/.
+ * A structured forest, and its file: OpenCV's YAML (.yml, .yml.gz).
  * @source ximgproc's StructuredEdgeDetection of OpenCV 4.6 reads the same files */
 #ifndef TZ_ANALYSIS_FOREST_MODEL_H
 #define TZ_ANALYSIS_FOREST_MODEL_H
@@ -25,9 +25,9 @@ typedef struct tz_forest {
  * @return TZ_OK; TZ_IO (no such file); TZ_FORMAT (names the fault); TZ_LIMIT (too large);
  * TZ_UNSUPPORTED (other patch sizes or channels than Terrazzo's); TZ_NOMEM
  * @cost 0.1 s for 25 MB of text on one thread */
-tz_status tz_forest_read(tz_ctx *ctx, const char *path, tz_forest *f);
+TZ_API tz_status tz_forest_read(tz_ctx *ctx, const char *path, tz_forest *f);
 /** Gzip if the name ends in .gz. The same forest gives the same bytes. */
-tz_status tz_forest_write(tz_ctx *ctx, const char *path, const tz_forest *f);
-void tz_forest_deinit(tz_forest *f); /**< takes zeroed */
+TZ_API tz_status tz_forest_write(tz_ctx *ctx, const char *path, const tz_forest *f);
+TZ_API void tz_forest_deinit(tz_forest *f); /**< takes zeroed */
 
 #endif
