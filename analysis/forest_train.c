@@ -16,8 +16,8 @@
 static const tz_param rows[] = {
     {"trees", TZ_PARAM_INT, offsetof(tz_forest_train_params, trees), 1, 64, "8", "", NULL,
      "trees of the forest; at most four look at one place"},
-    {"seed", TZ_PARAM_UINT64, offsetof(tz_forest_train_params, seed), 0, 0, "1", "", NULL,
-     "the same seed and options give the same file"},
+    {"seed", TZ_PARAM_UINT64, offsetof(tz_forest_train_params, seed), 0, 1.8e19, "1", "",
+     NULL, "the same seed and options give the same file"},
     {"budget", TZ_PARAM_STRING, offsetof(tz_forest_train_params, budget), 0, 0, "30m", "",
      NULL,
      "about how long two cores shall work, e.g. 90s, 30m, 1.5h; decides the number of "
