@@ -2,7 +2,6 @@
 /* Kinds without a generator of their own yet borrow another. */
 #include "analysis/forest_scene_canvas.h"
 
-tz_status tz_scene_BRICKS(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_CRACKS(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_PEBBLES(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_GROUND(tz_canvas *c) { return tz_scene_STONES(c); }
