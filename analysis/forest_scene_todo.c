@@ -5,6 +5,5 @@
 tz_status tz_scene_CRACKS(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_PEBBLES(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_GROUND(tz_canvas *c) { return tz_scene_STONES(c); }
-tz_status tz_scene_MOSAIC(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_WEAVE(tz_canvas *c) { return tz_scene_STONES(c); }
 tz_status tz_scene_WOOD(tz_canvas *c) { return tz_scene_STONES(c); }
