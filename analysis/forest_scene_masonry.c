@@ -59,7 +59,9 @@ tz_status tz_masonry_cut(tz_canvas *c, const tz_masonry *m, tz_masonry_map *w)
             w->id[p] = ~w->id[p]; /* remembers whose it was */
     }
     if (s == TZ_OK && m->corner > 1) {
-        s = tz_rock_depth(c, w->id, w->depth);
+        for (int64_t p = 0; p < n; p++) /* joints of two owners are one thing here */
+            c->segment[p] = w->id[p] < 0 ? -1 : w->id[p];
+        s = tz_rock_depth(c, c->segment, w->depth);
         for (int64_t p = 0; s == TZ_OK && p < n; p++)
             if (w->id[p] < 0 && w->depth[p] < m->corner)
                 w->id[p] = ~w->id[p];

@@ -28,7 +28,7 @@ static void draw_plan(tz_rng *r, const tz_canvas *c, plan *m)
     m->stretch = tz_scene_chance(r, 0.5) ? 1 : tz_rng_range(r, 1, 2.6);
     m->angle =
         tz_scene_chance(r, 0.6) ? 0.1 * tz_rng_normal(r) : tz_rng_range(r, 0, TZ_PI);
-    m->joined = tz_scene_chance(r, 0.35);
+    m->joined = tz_scene_chance(r, 0.3);
     m->weighted = !m->joined && tz_scene_chance(r, 0.6);
     m->spread = tz_rng_range(r, 0.3, 1.1);
     k->gap = tz_scene_chance(r, 0.5);
@@ -84,7 +84,7 @@ static tz_status place_stones(tz_canvas *c, tz_rng *r, const plan *m, tz_affine 
     tz_vec2 from, to;
     const double size = m->masonry.size;
     tz_rock_box(c, map, 2 * size, &from, &to);
-    const double gap = m->joined ? size * tz_rng_range(r, 0.35, 0.6) : size * 0.8;
+    const double gap = m->joined ? size * tz_scene_spread(r, 0.16, 0.5) : size * 0.8;
     tz_status s = tz_rock_points(c, r, gap, from, to, &w->point, &w->points);
     if (s == TZ_OK)
         s = tz_alloc(c->ctx, &w->stone_of, (size_t)w->points, sizeof *w->stone_of);
