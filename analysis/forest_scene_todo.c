@@ -3,4 +3,3 @@
 #include "analysis/forest_scene_canvas.h"
 
 tz_status tz_scene_CRACKS(tz_canvas *c) { return tz_scene_STONES(c); }
-tz_status tz_scene_WOOD(tz_canvas *c) { return tz_scene_STONES(c); }
