@@ -5,16 +5,16 @@
  * the smoothing is a sum of quarters of them, so nothing depends on the order of work.
  *
  * A step of a walk is one comparison, value < threshold, that chooses between neighbouring
- * nodes; a leaf is its own child. Regular features are differences too, against a lane
- * that is always 0: nothing branches, and four walks go on at once. */
+ * nodes; a leaf is its own child. Nothing branches, and eight walks go on at once: each
+ * waits for memory most of the time. */
 #include "analysis/forest.h"
 
 #include <math.h>
 #include <string.h>
 
 #define INNER TZ_FOREST_INNER
-#define BLOCK 8                  /* rows of patches, or of pixels, a task */
-#define ZERO  TZ_FOREST_CHANNELS /* a lane that holds 0 */
+#define BLOCK 8 /* rows of patches, or of pixels, a task */
+#define WALKS 8
 
 typedef struct walk_node {
     float threshold;
@@ -26,7 +26,6 @@ typedef struct detection {
     const tz_forest *forest;
     const walk_node *node;
     tz_forest_features f;
-    const float *values; /* regular and coarse lanes of a position beside each other */
     int32_t width, height, stride;
     int32_t first, rows; /* rows of patches */
     int32_t columns;     /* patches a row */
@@ -39,13 +38,6 @@ typedef struct detection {
 
 /* ---- walks --------------------------------------------------------------------------- */
 
-/* Offset of (regular or coarse) value at `place` of forest_features in joined lanes. */
-static int32_t joined(int32_t place, bool coarse)
-{
-    const int32_t position = place / TZ_FOREST_LANES, lane = place % TZ_FOREST_LANES;
-    return (2 * position + coarse) * TZ_FOREST_LANES + lane;
-}
-
 static tz_status prepare_nodes(tz_ctx *ctx, const tz_forest *f, int32_t width,
                                walk_node **out)
 {
@@ -55,12 +47,8 @@ static tz_status prepare_nodes(tz_ctx *ctx, const tz_forest *f, int32_t width,
     const tz_status s = tz_alloc(ctx, &node, (size_t)n, sizeof *node);
     if (s != TZ_OK)
         return s;
-    for (int32_t i = 0; i < TZ_FOREST_FEATURES; i++) {
-        int32_t a, b;
-        tz_forest_feature_place(i, width, &a, &b);
-        place[i][0] = joined(a, b >= 0);
-        place[i][1] = b >= 0 ? joined(b, true) : joined(a, false) / 16 * 16 + ZERO;
-    }
+    for (int32_t i = 0; i < TZ_FOREST_FEATURES; i++)
+        tz_forest_feature_place(i, width, &place[i][0], &place[i][1]);
     for (int64_t i = 0; i < n; i++) {
         const int32_t c = f->child[i], id = (int32_t)(i / f->nodes) * f->nodes + c;
         const int32_t *p = place[c ? f->feature[i] : 0];
@@ -77,20 +65,23 @@ static inline int32_t step(const walk_node *node, int32_t at, const float *v)
     return n->next - (v[n->a] - v[n->b] < n->threshold);
 }
 
-/* Leaves that four trees reach from their roots. */
-static void walk_four(const walk_node *node, const float *v, int32_t at[4])
+/* Leaves that WALKS walks reach from where they stand, each with a patch of its own. */
+static void walk(const walk_node *node, const float *const v[WALKS], int32_t at[WALKS])
 {
-    int32_t a = at[0], b = at[1], c = at[2], d = at[3];
-    for (;;) {
-        const int32_t na = step(node, a, v), nb = step(node, b, v);
-        const int32_t nc = step(node, c, v), nd = step(node, d, v);
-        if (((na ^ a) | (nb ^ b) | (nc ^ c) | (nd ^ d)) == 0)
-            break;
-        a = na, b = nb, c = nc, d = nd;
-    }
-    at[0] = a, at[1] = b, at[2] = c, at[3] = d;
+    int32_t here[WALKS], changed;
+    memcpy(here, at, sizeof here);
+    do {
+        changed = 0;
+        for (int k = 0; k < WALKS; k++) {
+            const int32_t next = step(node, here[k], v[k]);
+            changed |= next ^ here[k];
+            here[k] = next;
+        }
+    } while (changed);
+    memcpy(at, here, sizeof here);
 }
 
+/* All walks of a row of patches, WALKS by WALKS; the last ones are filled up. */
 static tz_status walk_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
 {
     const detection *d = arg;
@@ -98,43 +89,23 @@ static tz_status walk_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
     const int32_t to = ((int32_t)task + 1) * BLOCK, e = f->evaluated;
     (void)worker;
     for (int32_t r = (int32_t)task * BLOCK; r < to && r < d->rows; r++) {
-        const int32_t i = d->first + r;
-        int32_t *leaf = d->leaf + (size_t)r * (size_t)d->columns * (size_t)e;
-        for (int32_t j = 0; j < d->columns; j++, leaf += e) {
-            const size_t at = (size_t)(i * d->stride / 2 - d->f.first) * d->f.width +
-                              (size_t)(j * d->stride / 2);
-            const float *v = d->values + at * 2 * TZ_FOREST_LANES;
-            int32_t k = 0;
-            for (int32_t t = 0; t < e; t++)
-                leaf[t] = ((i + j) % (2 * e) + t) % f->trees * f->nodes;
-            for (; k + 4 <= e; k += 4)
-                walk_four(d->node, v, leaf + k);
-            for (; k < e; k++) {
-                int32_t four[4] = {leaf[k], leaf[k], leaf[k], leaf[k]};
-                walk_four(d->node, v, four);
-                leaf[k] = four[0];
+        const int32_t i = d->first + r, walks = d->columns * e;
+        int32_t *leaf = d->leaf + (size_t)r * (size_t)walks;
+        const float *row = tz_forest_features_at(&d->f, 0, i * d->stride / 2);
+        for (int32_t first = 0; first < walks; first += WALKS) {
+            const int32_t n = walks - first < WALKS ? walks - first : WALKS;
+            const float *v[WALKS];
+            int32_t at[WALKS];
+            for (int32_t k = 0; k < WALKS; k++) {
+                const int32_t w = first + (k < n ? k : 0), j = w / e, t = w % e;
+                v[k] = row + (size_t)(j * d->stride / 2) * TZ_FOREST_STEP;
+                at[k] = ((i + j) % (2 * e) + t) % f->trees * f->nodes;
             }
+            walk(d->node, v, at);
+            memcpy(leaf + first, at, (size_t)n * sizeof *leaf);
         }
     }
     return tz_ctx_cancelled(ctx) ? TZ_CANCELLED : TZ_OK;
-}
-
-/* Regular and coarse lanes of a position side by side: one walk reads one place. */
-static tz_status join_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
-{
-    const detection *d = arg;
-    const size_t n = (size_t)d->f.width * TZ_FOREST_LANES;
-    const int32_t to = ((int32_t)task + 1) * BLOCK;
-    (void)ctx, (void)worker;
-    for (int32_t r = (int32_t)task * BLOCK; r < to && r < d->f.rows; r++) {
-        const float *a = d->f.regular + (size_t)r * n, *b = d->f.coarse + (size_t)r * n;
-        float *out = (float *)d->values + (size_t)r * 2 * n;
-        for (size_t x = 0; x < n; x += TZ_FOREST_LANES) {
-            memcpy(out + 2 * x, a + x, TZ_FOREST_LANES * sizeof *out);
-            memcpy(out + 2 * x + TZ_FOREST_LANES, b + x, TZ_FOREST_LANES * sizeof *out);
-        }
-    }
-    return TZ_OK;
 }
 
 /* ---- counts -------------------------------------------------------------------------- */
@@ -202,9 +173,7 @@ static tz_status smooth_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
 static tz_status detection_run(tz_ctx *ctx, detection *d)
 {
     tz_status s;
-    s = tz_parallel_for(ctx, (d->f.rows + BLOCK - 1) / BLOCK, join_rows, d);
-    if (s == TZ_OK)
-        s = tz_parallel_for(ctx, (d->rows + BLOCK - 1) / BLOCK, walk_rows, d);
+    s = tz_parallel_for(ctx, (d->rows + BLOCK - 1) / BLOCK, walk_rows, d);
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, (d->count_rows + 4 * BLOCK - 1) / (4 * BLOCK),
                             count_rows, d);
@@ -225,7 +194,6 @@ tz_status tz_forest_detect(tz_ctx *ctx, const tz_forest *forest, tz_forest_row r
                    .y1 = y1,
                    .response = response};
     walk_node *node = NULL;
-    float *values = NULL;
     tz_status s;
     d.count_first = y0 > 0 ? y0 - 1 : 0;
     d.count_rows = (y1 + 1 < height ? y1 + 1 : height) - d.count_first;
@@ -243,11 +211,7 @@ tz_status tz_forest_detect(tz_ctx *ctx, const tz_forest *forest, tz_forest_row r
     s = tz_forest_features_init(ctx, row, source, width, height, top, bottom - top, &d.f);
     if (s != TZ_OK)
         return s;
-    const size_t places = (size_t)d.f.rows * (size_t)d.f.width;
     if ((s = prepare_nodes(ctx, forest, d.f.width, &node)) != TZ_OK)
-        goto done;
-    s = tz_alloc(ctx, &values, places, 2 * TZ_FOREST_LANES * sizeof *values);
-    if (s != TZ_OK)
         goto done;
     s = tz_alloc(ctx, &d.leaf, (size_t)d.rows * (size_t)d.columns,
                  (size_t)forest->evaluated * sizeof *d.leaf);
@@ -257,11 +221,9 @@ tz_status tz_forest_detect(tz_ctx *ctx, const tz_forest *forest, tz_forest_row r
     if (s != TZ_OK)
         goto done;
     d.node = node;
-    d.values = values;
     s = detection_run(ctx, &d);
 done:
     tz_free(ctx, node);
-    tz_free(ctx, values);
     tz_free(ctx, d.leaf);
     tz_free(ctx, d.count);
     tz_forest_features_deinit(&d.f);

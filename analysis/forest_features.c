@@ -225,13 +225,12 @@ static tz_status blur_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
     const work *k = arg;
     const tz_forest_features *f = k->f;
     const int32_t n = f->width * LANES, height = f->height;
-    const plane regular = {f->regular, n, f->first, f->rows};
-    const plane coarse = {f->coarse, n, f->first, f->rows};
+    const plane out = {f->value, 2 * n, f->first, f->rows};
     float *padded = scratch(k, worker), *a = padded + n + (ptrdiff_t)2 * BLUR * LANES;
     float *b = a + (ptrdiff_t)(BLOCK + 2 * BLUR) * n;
     int32_t from, to;
     (void)ctx;
-    rows_of_task(&regular, i, &from, &to);
+    rows_of_task(&out, i, &from, &to);
     const int32_t first = from - BLUR > 0 ? from - BLUR : 0;
     const int32_t last = to + BLUR < height ? to + BLUR : height;
     const plane wide = {a, n, first, last - first}, narrow = {b, n, first, last - first};
@@ -249,10 +248,10 @@ static tz_status blur_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
         const float *line[2 * BLUR + 1];
         for (int32_t d = -BLUR; d <= BLUR; d++)
             line[d + BLUR] = row_of(&wide, reflect_101(y + d, height));
-        k->loop->blur_down(line, n, row_of(&coarse, y));
+        k->loop->blur_down_lanes(line, f->width, row_of(&out, y) + LANES);
         for (int32_t d = -1; d <= 1; d++)
             line[d + 1] = row_of(&narrow, reflect_101(y + d, height));
-        k->loop->blur_three(line, n, row_of(&regular, y));
+        k->loop->blur_three_lanes(line, f->width, row_of(&out, y));
     }
     return TZ_OK;
 }
@@ -337,9 +336,7 @@ tz_status tz_forest_features_init(tz_ctx *ctx, tz_forest_row row, const void *so
     tz_forest_luminance_table(k.luminance);
     if ((s = work_init(ctx, &k)) != TZ_OK)
         goto done;
-    if ((s = tz_alloc(ctx, &f->regular, n, LANES * sizeof(float))) != TZ_OK)
-        goto done;
-    if ((s = tz_alloc(ctx, &f->coarse, n, LANES * sizeof(float))) != TZ_OK)
+    if ((s = tz_alloc(ctx, &f->value, n, TZ_FOREST_STEP * sizeof(float))) != TZ_OK)
         goto done;
     if ((s = run(ctx, &k.s[0].luv[0], luv_rows, &k)) != TZ_OK)
         goto done;
@@ -361,8 +358,7 @@ done:
 
 void tz_forest_features_deinit(tz_forest_features *f)
 {
-    tz_free(f->ctx, f->regular);
-    tz_free(f->ctx, f->coarse);
+    tz_free(f->ctx, f->value);
     *f = (tz_forest_features){0};
 }
 
@@ -371,17 +367,19 @@ void tz_forest_feature_place(int32_t id, int32_t width, int32_t *a, int32_t *b)
     /* middles of cells: (i + 1) (16 + 2 * 2 - 1) / 6 - 2, rounded */
     static const int32_t middle[TZ_FOREST_GRID] = {1, 4, 8, 11, 14};
     const int32_t side = TZ_FOREST_SIDE, cells = TZ_FOREST_GRID * TZ_FOREST_GRID;
+    const int32_t step = TZ_FOREST_STEP;
     if (id < TZ_FOREST_REGULAR) {
         const int32_t z = id / (side * side), at = id % (side * side);
-        *a = ((at % side) * width + at / side) * LANES + z; /* column * 16 + row */
-        *b = -1;
+        const int32_t place = ((at % side) * width + at / side) * step;
+        *a = place + z; /* column * 16 + row */
+        *b = place + TZ_FOREST_CHANNELS;
         return;
     }
-    const int32_t pair = id - TZ_FOREST_REGULAR, z = pair / TZ_FOREST_PAIRS;
+    const int32_t pair = id - TZ_FOREST_REGULAR, z = LANES + pair / TZ_FOREST_PAIRS;
     int32_t first = 0, left = pair % TZ_FOREST_PAIRS;
     while (left >= cells - 1 - first)
         left -= cells - 1 - first++;
     const int32_t second = first + 1 + left;
-    *a = (middle[first % 5] * width + middle[first / 5]) * LANES + z;
-    *b = (middle[second % 5] * width + middle[second / 5]) * LANES + z;
+    *a = (middle[first % 5] * width + middle[first / 5]) * step + z;
+    *b = (middle[second % 5] * width + middle[second / 5]) * step + z;
 }

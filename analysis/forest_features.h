@@ -16,7 +16,8 @@
 #define TZ_FOREST_PAD      8 /**< (patch - inner) / 2: mirrored border around the photo */
 #define TZ_FOREST_SIDE     16 /**< positions a side of a patch */
 #define TZ_FOREST_CHANNELS 13 /**< L, u, v; magnitude, 4 orientations; the same at half */
-#define TZ_FOREST_LANES    16 /**< floats a position: channels, then zeros */
+#define TZ_FOREST_LANES    16 /**< floats a kind of value: channels, then zeros */
+#define TZ_FOREST_STEP     32 /**< floats a position: regular lanes, coarse lanes */
 #define TZ_FOREST_GRID     5  /**< cells a side whose differences are features too */
 #define TZ_FOREST_REGULAR  (TZ_FOREST_CHANNELS * TZ_FOREST_SIDE * TZ_FOREST_SIDE)
 #define TZ_FOREST_PAIRS    300 /**< pairs of 25 cells */
@@ -31,8 +32,8 @@ typedef void (*tz_forest_row)(const void *source, int32_t y, float *rgb);
 typedef struct tz_forest_features {
     int32_t width, height; /**< positions of the padded picture: (w + 16) / 2, ... */
     int32_t first, rows;
-    float *regular; /**< rows * width * TZ_FOREST_LANES: smoothed a little */
-    float *coarse;  /**< the same, smoothed more: for differences of cells */
+    float *value; /**< rows * width * TZ_FOREST_STEP: channels smoothed a little, then
+                     smoothed more, for differences of cells */
     tz_ctx *ctx;
 } tz_forest_features;
 
@@ -46,21 +47,19 @@ tz_status tz_forest_features_init(tz_ctx *ctx, tz_forest_row row, const void *so
                                   int32_t rows, tz_forest_features *f);
 void tz_forest_features_deinit(tz_forest_features *f); /**< takes zeroed */
 
-/** Where a feature is read, relative to a patch's first position, in floats.
+/** Where a feature is read, in floats from a patch's first position: it is always value[a]
+ * - value[b]; regular features are taken off a lane that holds 0.
  * @param id     0 .. TZ_FOREST_FEATURES - 1
- * @param width  positions a row
- * @param[out] a  offset into regular, or into coarse if the feature is a difference
- * @param[out] b  -1, or offset into coarse of what is taken away */
+ * @param width  positions a row */
 void tz_forest_feature_place(int32_t id, int32_t width, int32_t *a, int32_t *b);
 
-/** Value of a feature for the patch whose first position is (x, y); y counts from the
- * first row of the padded picture. */
-static inline float tz_forest_feature(const tz_forest_features *f, int32_t x, int32_t y,
-                                      int32_t a, int32_t b)
+/** Values of the patch whose first position is (x, y); y counts from the first row of the
+ * padded picture. */
+static inline const float *tz_forest_features_at(const tz_forest_features *f, int32_t x,
+                                                 int32_t y)
 {
-    const size_t at = ((size_t)(y - f->first) * f->width + x) * TZ_FOREST_LANES;
-    return b < 0 ? f->regular[at + (size_t)a]
-                 : f->coarse[at + (size_t)a] - f->coarse[at + (size_t)b];
+    return f->value +
+           ((size_t)(y - f->first) * (size_t)f->width + (size_t)x) * TZ_FOREST_STEP;
 }
 
 #endif

@@ -159,8 +159,9 @@ static void cut(const cutter *c, const tz_scene *scene, const tz_forest_features
         tz_forest_feature_place(p->feature[k], f->width, &a, &b);
         for (int32_t i = 0; i < c->per; i++) {
             /* the inner patch at x is the whole one at x of the padded picture */
-            const float v =
-                tz_forest_feature(f, place[2 * i] / 2, place[2 * i + 1] / 2, a, b);
+            const float *at =
+                tz_forest_features_at(f, place[2 * i] / 2, place[2 * i + 1] / 2);
+            const float v = at[a] - at[b];
             if (c->value)
                 c->value[(size_t)k * (size_t)c->values + first + (size_t)i] = v;
             else

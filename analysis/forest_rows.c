@@ -5,10 +5,12 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 
 #define BINS   TZ_FOREST_BINS
 #define COARSE TZ_FOREST_BLUR
 #define TAPS   (2 * COARSE + 1)
+#define LANES  16
 
 /* ---- colour -------------------------------------------------------------------------- */
 
@@ -154,6 +156,28 @@ blur_three_body(const float *const row[3], int32_t n, float *out)
         out[i] = row[1][i] * 0.5F + (row[0][i] + row[2][i]) * 0.25F;
 }
 
+static inline __attribute__((always_inline)) void
+blur_down_lanes_body(const float *const row[TAPS], int32_t n, float *out)
+{
+    for (int32_t x = 0; x < n; x++) {
+        const float *line[TAPS];
+        for (int k = 0; k < TAPS; k++)
+            line[k] = row[k] + (ptrdiff_t)x * LANES;
+        blur_down_body(line, LANES, out + (ptrdiff_t)2 * x * LANES);
+    }
+}
+
+static inline __attribute__((always_inline)) void
+blur_three_lanes_body(const float *const row[3], int32_t n, float *out)
+{
+    for (int32_t x = 0; x < n; x++) {
+        const float *line[3];
+        for (int k = 0; k < 3; k++)
+            line[k] = row[k] + (ptrdiff_t)x * LANES;
+        blur_three_body(line, LANES, out + (ptrdiff_t)2 * x * LANES);
+    }
+}
+
 /* ---- two compilations ---------------------------------------------------------------- */
 
 /* name, parameters, arguments */
@@ -168,6 +192,10 @@ blur_three_body(const float *const row[3], int32_t n, float *out)
       (padded, n, step, out))                                                          \
     X(blur_down, (const float *const row[TAPS], int32_t n, float *out), (row, n, out)) \
     X(blur_three, (const float *const row[3], int32_t n, float *out), (row, n, out))   \
+    X(blur_down_lanes, (const float *const row[TAPS], int32_t n, float *out),          \
+      (row, n, out))                                                                   \
+    X(blur_three_lanes, (const float *const row[3], int32_t n, float *out),            \
+      (row, n, out))                                                                   \
     X(divide, (const float *blurred, int32_t n, float *m), (blurred, n, m))            \
     X(halve, (const float *above, const float *below, int32_t n, float *out),          \
       (above, below, n, out))

@@ -27,6 +27,10 @@ typedef struct tz_forest_rows {
                       float *out);
     /** 1/4 1/2 1/4 of three rows. */
     void (*blur_three)(const float *const row[3], int32_t n, float *out);
+    /** The last two for n groups of 16 floats, to every other group of `out`. */
+    void (*blur_down_lanes)(const float *const row[2 * TZ_FOREST_BLUR + 1], int32_t n,
+                            float *out);
+    void (*blur_three_lanes)(const float *const row[3], int32_t n, float *out);
     /** m / (blurred + 0.01) */
     void (*divide)(const float *blurred, int32_t n, float *m);
     /** Means of 2 x 2. */
