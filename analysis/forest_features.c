@@ -50,8 +50,7 @@ static int32_t reflect_101(int32_t i, int32_t n)
 typedef struct scale {
     int32_t width, height; /* px of this scale */
     plane luv[3];
-    plane magnitude; /* divided by its surroundings in the end */
-    plane bin, across;
+    plane magnitude, bin, across;
 } scale;
 
 typedef struct work {
@@ -60,7 +59,6 @@ typedef struct work {
     const tz_forest_rows *loop;
     int32_t photo_width, photo_height;
     scale s[2]; /* full, half */
-    plane raw;  /* positions before the last blurs */
     tz_forest_features *f;
     float *scratch; /* a piece a worker */
     size_t scratch_size;
@@ -163,14 +161,14 @@ static tz_status half_gradients(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
-/* Row y of the magnitude over its surroundings, in place. */
-static void normalise_row(const work *k, const scale *s, int32_t y, float *blurred)
+/* Row y of the magnitude over its surroundings. */
+static void normalise_row(const work *k, const scale *s, int32_t y, float *out)
 {
     const float *line[2 * BLUR + 1];
     for (int32_t d = -BLUR; d <= BLUR; d++)
         line[d + BLUR] = row_of(&s->across, reflect_101(y + d, s->height));
-    k->loop->blur_down(line, s->width, blurred);
-    k->loop->divide(blurred, s->width, row_of(&s->magnitude, y));
+    k->loop->blur_down(line, s->width, out);
+    k->loop->divide(row_of(&s->magnitude, y), s->width, out);
 }
 
 /* OpenCV halves magnitudes in fours of positions, and what is left over in another order
@@ -181,61 +179,51 @@ static float mean_of_four(const float *above, const float *below, bool four)
     return (four ? up + (below[0] + below[1]) : up + below[0] + below[1]) * 0.25F;
 }
 
-/* 13 channels of one row of positions. */
-static void gather_row(const work *k, int32_t y, float *out)
+/* 13 channels of one row of positions; `m` has room for five rows of half px. */
+static void gather_row(const work *k, int32_t y, float *m, float *out)
 {
     const scale *full = &k->s[0], *half = &k->s[1];
-    const float *m[2] = {row_of(&full->magnitude, 2 * y),
-                         row_of(&full->magnitude, 2 * y + 1)};
     const float *bin[2] = {row_of(&full->bin, 2 * y), row_of(&full->bin, 2 * y + 1)};
-    const float *mh = row_of(&half->magnitude, y), *bh = row_of(&half->bin, y);
-    const float *luv[3];
+    const float *bh = row_of(&half->bin, y), *luv[3];
+    float *below = m + full->width, *mh = below + full->width;
+    normalise_row(k, full, 2 * y, m);
+    normalise_row(k, full, 2 * y + 1, below);
+    normalise_row(k, half, y, mh);
     for (int c = 0; c < 3; c++)
         luv[c] = row_of(&half->luv[c], y);
+    memset(out, 0, (size_t)half->width * LANES * sizeof *out);
     for (int32_t x = 0; x < half->width; x++, out += LANES) {
-        memset(out, 0, LANES * sizeof *out);
         for (int c = 0; c < 3; c++)
             out[c] = luv[c][x];
-        out[3] = mean_of_four(m[0] + 2 * x, m[1] + 2 * x, x < half->width / 4 * 4);
-        for (int j = 0; j < 2; j++)
-            for (int32_t i = 2 * x; i < 2 * x + 2; i++)
-                out[4 + (int)bin[j][i]] += m[j][i] * 0.25F;
+        out[3] = mean_of_four(m + 2 * x, below + 2 * x, x < half->width / 4 * 4);
+        for (int32_t i = 2 * x; i < 2 * x + 2; i++)
+            out[4 + (int)bin[0][i]] += m[i] * 0.25F;
+        for (int32_t i = 2 * x; i < 2 * x + 2; i++)
+            out[4 + (int)bin[1][i]] += below[i] * 0.25F;
         out[8] = mh[x];
         out[9 + (int)bh[x]] = mh[x];
     }
 }
 
-static tz_status raw_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
-{
-    const work *k = arg;
-    int32_t from, to;
-    rows_of_task(&k->raw, i, &from, &to);
-    for (int32_t y = from; y < to; y++) {
-        normalise_row(k, &k->s[0], 2 * y, scratch(k, worker));
-        normalise_row(k, &k->s[0], 2 * y + 1, scratch(k, worker));
-        normalise_row(k, &k->s[1], y, scratch(k, worker));
-        gather_row(k, y, row_of(&k->raw, y));
-    }
-    return tz_ctx_cancelled(ctx) ? TZ_CANCELLED : TZ_OK;
-}
-
-/* Both blurs of a block of rows; the rows across are kept in scratch. */
-static tz_status blur_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
+/* Channels of a block of rows, and both blurs of them; all rows across are kept in
+ * scratch. */
+static tz_status value_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
 {
     const work *k = arg;
     const tz_forest_features *f = k->f;
     const int32_t n = f->width * LANES, height = f->height;
     const plane out = {f->value, 2 * n, f->first, f->rows};
-    float *padded = scratch(k, worker), *a = padded + n + (ptrdiff_t)2 * BLUR * LANES;
+    float *m = scratch(k, worker), *raw = m + (ptrdiff_t)6 * f->width;
+    float *padded = raw + n, *a = padded + n + (ptrdiff_t)2 * BLUR * LANES;
     float *b = a + (ptrdiff_t)(BLOCK + 2 * BLUR) * n;
     int32_t from, to;
-    (void)ctx;
     rows_of_task(&out, i, &from, &to);
     const int32_t first = from - BLUR > 0 ? from - BLUR : 0;
     const int32_t last = to + BLUR < height ? to + BLUR : height;
     const plane wide = {a, n, first, last - first}, narrow = {b, n, first, last - first};
     for (int32_t y = first; y < last; y++) {
-        pad_row(row_of(&k->raw, y), f->width, LANES, padded);
+        gather_row(k, y, m, raw);
+        pad_row(raw, f->width, LANES, padded);
         k->loop->blur_across(padded, n, LANES, row_of(&wide, y));
         if (y < from - 1 || y > to)
             continue;
@@ -253,7 +241,7 @@ static tz_status blur_rows(tz_ctx *ctx, void *arg, int64_t i, int worker)
             line[d + 1] = row_of(&narrow, reflect_101(y + d, height));
         k->loop->blur_three_lanes(line, f->width, row_of(&out, y));
     }
-    return TZ_OK;
+    return tz_ctx_cancelled(ctx) ? TZ_CANCELLED : TZ_OK;
 }
 
 /* ---- driver -------------------------------------------------------------------------- */
@@ -274,7 +262,7 @@ static tz_status work_init(tz_ctx *ctx, work *k)
     const int32_t from = f->first - BLUR > 0 ? f->first - BLUR : 0;
     const int32_t to =
         f->first + f->rows + BLUR < f->height ? f->first + f->rows + BLUR : f->height;
-    tz_status s = plane_init(ctx, &k->raw, f->width * LANES, f->height, from, to);
+    tz_status s = TZ_OK;
     for (int i = 0; i < 2 && s == TZ_OK; i++) {
         scale *sc = &k->s[i];
         const int32_t up = i == 0 ? 2 : 1, w = sc->width, h = sc->height;
@@ -292,7 +280,7 @@ static tz_status work_init(tz_ctx *ctx, work *k)
     if (s != TZ_OK)
         return s;
     const size_t line = (size_t)f->width * LANES, pad = (size_t)2 * BLUR * LANES;
-    k->scratch_size = (1 + 2 * (BLOCK + 2 * BLUR)) * line + pad;
+    k->scratch_size = (size_t)6 * f->width + (2 + 2 * (BLOCK + 2 * BLUR)) * line + pad;
     k->scratch_size = (k->scratch_size + 15) / 16 * 16;
     return tz_alloc(ctx, &k->scratch, (size_t)tz_ctx_threads(ctx) * k->scratch_size,
                     sizeof *k->scratch);
@@ -307,7 +295,6 @@ static void work_deinit(tz_ctx *ctx, work *k)
         tz_free(ctx, k->s[i].bin.v);
         tz_free(ctx, k->s[i].across.v);
     }
-    tz_free(ctx, k->raw.v);
     tz_free(ctx, k->scratch);
 }
 
@@ -346,9 +333,7 @@ tz_status tz_forest_features_init(tz_ctx *ctx, tz_forest_row row, const void *so
         goto done;
     if ((s = run(ctx, &k.s[1].magnitude, half_gradients, &k)) != TZ_OK)
         goto done;
-    if ((s = run(ctx, &k.raw, raw_rows, &k)) != TZ_OK)
-        goto done;
-    s = run(ctx, &out, blur_rows, &k);
+    s = run(ctx, &out, value_rows, &k);
 done:
     work_deinit(ctx, &k);
     if (s != TZ_OK)

@@ -79,35 +79,46 @@ static inline __attribute__((always_inline)) float direction(float x, float y)
     return bin >= BINS ? 0 : bin;
 }
 
-/* up, at, down: the rows of L, u, v around this one; both ends of `at` are doubled. */
+#define RUN 64 /* px whose gradients are kept between two loops */
+
+/* up, at, down: the rows of L, u, v around this one. Two loops, so that both become
+ * vectors: the largest gradient of the three, then its size and direction. */
 static inline __attribute__((always_inline)) void
 gradient_run(const float *const up[3], const float *const at[3],
-             const float *const down[3], int32_t from, int32_t to, int32_t left,
-             int32_t right, float *magnitude, float *bin)
+             const float *const down[3], int32_t from, int32_t n, int32_t left,
+             int32_t right, float *restrict magnitude, float *restrict bin)
 {
-    for (int32_t x = from; x < to; x++) {
-        float most = -1e-5F, gx = 0, gy = 0;
-        for (int c = 0; c < 3; c++) {
-            const float dx = at[c][x + right] - at[c][x - left];
-            const float dy = down[c][x] - up[c][x];
+    float gx[RUN], gy[RUN], most[RUN];
+    for (int32_t i = 0; i < n; i++)
+        gx[i] = gy[i] = 0, most[i] = -1e-5F;
+    for (int c = 0; c < 3; c++) {
+        const float *row = at[c] + from, *above = up[c] + from, *below = down[c] + from;
+        for (int32_t i = 0; i < n; i++) {
+            const float dx = row[i + right] - row[i - left], dy = below[i] - above[i];
             const float m = dx * dx + dy * dy;
-            gx = m > most ? dx : gx;
-            gy = m > most ? dy : gy;
-            most = m > most ? m : most;
+            const bool larger = m > most[i];
+            gx[i] = larger ? dx : gx[i];
+            gy[i] = larger ? dy : gy[i];
+            most[i] = larger ? m : most[i];
         }
-        magnitude[x] = sqrtf(most);
-        bin[x] = direction(gx, gy);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        magnitude[from + i] = sqrtf(most[i]);
+        bin[from + i] = direction(gx[i], gy[i]);
     }
 }
 
+/* Both ends of a row are doubled. */
 static inline __attribute__((always_inline)) void
 gradient_body(const float *const up[3], const float *const at[3],
               const float *const down[3], int32_t n, float *magnitude, float *bin)
 {
     gradient_run(up, at, down, 0, 1, 0, n > 1, magnitude, bin);
-    gradient_run(up, at, down, 1, n - 1, 1, 1, magnitude, bin);
+    for (int32_t x = 1; x < n - 1; x += RUN)
+        gradient_run(up, at, down, x, n - 1 - x < RUN ? n - 1 - x : RUN, 1, 1, magnitude,
+                     bin);
     if (n > 1)
-        gradient_run(up, at, down, n - 1, n, 1, 0, magnitude, bin);
+        gradient_run(up, at, down, n - 1, 1, 1, 0, magnitude, bin);
 }
 
 /* ---- triangle blurs ------------------------------------------------------------------ */
@@ -141,11 +152,11 @@ blur_down_body(const float *const row[TAPS], int32_t n, float *out)
     }
 }
 
-static inline __attribute__((always_inline)) void divide_body(const float *blurred,
-                                                              int32_t n, float *magnitude)
+static inline __attribute__((always_inline)) void
+divide_body(const float *restrict m, int32_t n, float *restrict blurred)
 {
     for (int32_t x = 0; x < n; x++)
-        magnitude[x] = magnitude[x] / (blurred[x] + 0.01F);
+        blurred[x] = m[x] / (blurred[x] + 0.01F);
 }
 
 /* One row and its neighbours, 1/4 1/2 1/4 both ways; products are exact. */
@@ -196,7 +207,7 @@ blur_three_lanes_body(const float *const row[3], int32_t n, float *out)
       (row, n, out))                                                                   \
     X(blur_three_lanes, (const float *const row[3], int32_t n, float *out),            \
       (row, n, out))                                                                   \
-    X(divide, (const float *blurred, int32_t n, float *m), (blurred, n, m))            \
+    X(divide, (const float *m, int32_t n, float *blurred), (m, n, blurred))            \
     X(halve, (const float *above, const float *below, int32_t n, float *out),          \
       (above, below, n, out))
 

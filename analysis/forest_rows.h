@@ -31,8 +31,8 @@ typedef struct tz_forest_rows {
     void (*blur_down_lanes)(const float *const row[2 * TZ_FOREST_BLUR + 1], int32_t n,
                             float *out);
     void (*blur_three_lanes)(const float *const row[3], int32_t n, float *out);
-    /** m / (blurred + 0.01) */
-    void (*divide)(const float *blurred, int32_t n, float *m);
+    /** m / (blurred + 0.01), in place of what is blurred. */
+    void (*divide)(const float *m, int32_t n, float *blurred);
     /** Means of 2 x 2. */
     void (*halve)(const float *above, const float *below, int32_t n, float *out);
 } tz_forest_rows;
