@@ -21,8 +21,8 @@ static void draw_colour(tz_rng *r, lens *l)
     const double warm = cast * tz_rng_normal(r), green = 0.5 * cast * tz_rng_normal(r);
     l->gain[0] = (float)exp(warm), l->gain[1] = (float)exp(green);
     l->gain[2] = (float)exp(-warm);
-    l->saturation = tz_scene_chance(r, 0.2) ? 0 : tz_rng_range(r, 0.35, 1.35);
-    l->contrast = tz_scene_chance(r, 0.15) ? tz_scene_spread(r, 0.15, 0.45)
+    l->saturation = tz_scene_chance(r, 0.2) ? 0 : tz_rng_range(r, 0.35, 1.15);
+    l->contrast = tz_scene_chance(r, 0.15) ? tz_scene_spread(r, 0.2, 0.5)
                                            : tz_scene_spread(r, 0.55, 1.6);
     l->lift = 0.06 * tz_rng_normal(r);
     l->shoulder = tz_scene_chance(r, 0.5) ? tz_rng_range(r, 0.1, 0.6) : 0;
@@ -172,16 +172,20 @@ static float encoded(float v) { return v <= 0 ? 0 : tz_srgb_encode(v > 4 ? 4 : v
 
 static void tone(film *f, const lens *l)
 {
-    double sum = 0;
+    double sum = 0, squares = 0;
     for (int64_t i = 0; i < 3 * f->n; i++) {
         const float v = f->v[i];
         const float rolled = (float)(v * (1 + l->shoulder * 0.3 * v) /
                                      (1 + l->shoulder * (v > 0 ? v : 0)));
         f->v[i] = encoded(rolled);
         sum += f->v[i];
+        squares += (double)f->v[i] * f->v[i];
     }
     const float mean = (float)(sum / (3.0 * (double)f->n));
-    const float k = (float)l->contrast, level = mean + (float)l->lift;
+    const double variance = squares / (3.0 * (double)f->n) - (double)mean * mean;
+    const double least = 0.035 / (sqrt(fmax(variance, 0)) + 0.003); /* still visible */
+    const float k = (float)(l->contrast > least ? l->contrast : fmin(least, 1.6));
+    const float level = mean + (float)l->lift;
     for (int64_t p = 0; p < f->n; p++) {
         float *v[3] = {f->v + p, f->v + f->n + p, f->v + 2 * f->n + p};
         const float grey = 0.3f * *v[0] + 0.59f * *v[1] + 0.11f * *v[2];

@@ -20,7 +20,7 @@ void tz_rock_family_draw(tz_rng *r, double size, tz_rock_family *f)
     }
     f->lightness = tz_scene_chance(r, 0.25) ? 0.03 : tz_rng_range(r, 0.05, 0.65);
     f->hue = tz_rng_range(r, 0, 0.5);
-    f->rough = tz_rng_range(r, 0.15, 1);
+    f->rough = tz_rng_range(r, 0.3, 1.25);
     f->alike = tz_scene_chance(r, 0.6);
     tz_canvas_skin_draw(r, f->base[0], size, f->rough, &f->skin);
 }
