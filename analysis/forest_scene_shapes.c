@@ -45,6 +45,48 @@ void tz_shape_joint(tz_canvas *c, int64_t i, double edge, double half,
                       share * (1 - tz_shape_ramp(half - 1, half + 1.5, edge)));
 }
 
+static double luminance(const float c[3])
+{
+    return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
+
+void tz_shape_part(float colour[3], const float other[3], double least)
+{
+    double a = luminance(colour) + 1e-3, b = luminance(other) + 1e-3;
+    double ratio = log(a / b);
+    if (fabs(ratio) >= least)
+        return;
+    bool up = ratio > 0;
+    if (up && b * exp(least) > 0.8)
+        up = false;
+    if (!up && b * exp(-least) < 0.006)
+        up = true;
+    double factor = b * exp(up ? least : -least) / a;
+    for (int k = 0; k < 3; k++)
+        colour[k] = (float)fmin(0.92, fmax(0.004, (double)colour[k] * factor));
+}
+
+void tz_shape_crack(tz_canvas *c, int64_t i, uint64_t seed, tz_vec2 q, tz_vec2 wave,
+                    double open, const float colour[3])
+{
+    if (open <= 0)
+        return;
+    double u = q.x / wave.x, v = q.y / wave.y, du = 1 / wave.x, dv = 1 / wave.y;
+    double n = (double)tz_canvas_fbm(seed, u, v, 3, 0.45);
+    if (fabs(n) > 8 * (du + dv))
+        return;
+    double nx = (double)tz_canvas_fbm(seed, u + du, v, 3, 0.45);
+    double ny = (double)tz_canvas_fbm(seed, u, v + dv, 3, 0.45);
+    double gx = nx - n, gy = ny - n;
+    double edge = fabs(n) / fmax(sqrt(gx * gx + gy * gy), 0.15 * (du + dv));
+    double half = 0.4 + 2 * open;
+    tz_shape_joint(c, i, edge, half, colour, fmin(1, 1.5 * open));
+    if (edge < half)
+        c->relief[i] -= (float)(3 * open);
+    if ((n * nx <= 0 || n * ny <= 0) && open > 0.3)
+        c->line[i] = 1;
+}
+
 /* ---- things --------------------------------------------------------------------------- */
 
 tz_status tz_shape_things_init(tz_canvas *c, int32_t n, tz_shape_things *t)

@@ -42,6 +42,16 @@ void tz_shape_dim(tz_canvas *c, int64_t i, double factor);
 void tz_shape_joint(tz_canvas *c, int64_t i, double edge, double half,
                     const float colour[3], double share);
 
+/** Makes a colour lighter or darker, whichever is nearer, until its luminance differs from
+ * that of `other` by the factor exp(least): what parts two pieces must part them in a grey
+ * photo too. */
+void tz_shape_part(float colour[3], const float other[3], double least);
+/** A crack that comes and goes: a level set of noise at q, of wavelengths `wave`. Paints it at pixel i, and marks its middle as a line
+ * where it can be seen.
+ * @param open  0 shut .. 1 wide, changing slowly from pixel to pixel */
+void tz_shape_crack(tz_canvas *c, int64_t i, uint64_t seed, tz_vec2 q, tz_vec2 wave,
+                    double open, const float colour[3]);
+
 /* ---- things: pieces that may turn out to be hidden ------------------------------------ */
 
 typedef struct tz_shape_thing {

@@ -12,6 +12,8 @@ enum { TABLE_STEP = 2 };
 
 typedef struct strata {
     tz_shape_bend bend;
+    tz_shape_cells stones; /* of layers of rubble */
+    tz_shape_field swell, worn, split;
     uint64_t seed;
     int32_t layers, nodes; /* y: (layers + 1) rows of nodes */
     float *y;
@@ -24,6 +26,7 @@ typedef struct strata {
     double half, open; /* of gaps: half width at its most, and how often it is there */
     double round, ledge, laminate;
     double spread_layer, spread_block, contact;
+    double rubble, face, face_size, cracks, joint_share, loud;
     bool fault, soil;
     double fault_x, fault_slope, fault_shift;
     float family[3][3], gap[3];
@@ -55,12 +58,18 @@ static void draw_parameters(tz_canvas *c, strata *k)
     k->fault_shift =
         (tz_shape_chance(r, 0.5) ? 1 : -1) * k->thick * tz_rng_range(r, 0.3, 2);
     k->soil = tz_shape_chance(r, 0.3);
+    k->rubble = tz_shape_chance(r, 0.4) ? tz_rng_range(r, 0.05, 0.5) : 0;
+    k->face = tz_shape_log_range(r, 0.4, 7);
+    k->face_size = tz_shape_log_range(r, 10, 50);
+    k->cracks = tz_shape_chance(r, 0.5) ? tz_rng_range(r, 0.1, 0.5) : 3;
+    k->loud = tz_rng_range(r, 0.15, 0.9);
+    k->joint_share = tz_rng_range(r, 0.3, 1.1);
     tz_canvas_base_colour(r, k->family[0]);
     for (int i = 1; i < 3; i++)
-        if (tz_shape_chance(r, 0.3))
+        if (tz_shape_chance(r, 0.15))
             tz_canvas_base_colour(r, k->family[i]);
         else
-            tz_canvas_colour(r, k->family[0], 0.6, 0.5, k->family[i]);
+            tz_canvas_colour(r, k->family[0], 0.5, 0.3, k->family[i]);
     static const float dark[3] = {0.03f, 0.027f, 0.024f},
                        moss[3] = {0.09f, 0.10f, 0.025f};
     if (k->soil && tz_shape_chance(r, 0.5))
@@ -79,7 +88,26 @@ static tz_status draw_bend(tz_canvas *c, strata *k)
         d.warp = d.warp_size * tz_rng_range(r, 0.1, 0.32);
         d.octaves = 3;
     }
-    return tz_shape_bend_init(c, k->seed + 1, &d, &k->bend);
+    tz_status s = tz_shape_bend_init(c, k->seed + 1, &d, &k->bend);
+    tz_rect box = k->bend.box;
+    int32_t grow = (int32_t)fabs(k->fault_shift) + 40;
+    box = (tz_rect){box.x - 40, box.y - grow, box.w + 80, box.h + 2 * grow};
+    double pitch = fmax(14, k->thick * tz_rng_range(r, 0.25, 0.6));
+    tz_shape_cells_def stones = {.pitch_x = 1.4 * pitch,
+                                 .pitch_y = pitch,
+                                 .jitter = 1,
+                                 .join_x = 0.25,
+                                 .join_y = 0.1,
+                                 .join_most = 4};
+    if (s == TZ_OK)
+        s = tz_shape_cells_init(c, k->seed + 11, box, &stones, &k->stones);
+    if (s == TZ_OK)
+        s = tz_shape_field_init(c, k->seed + 6, 1.5 * k->thick, 3, &k->swell);
+    if (s == TZ_OK)
+        s = tz_shape_field_init(c, k->seed + 10, 70, 2, &k->worn);
+    if (s == TZ_OK)
+        s = tz_shape_field_init(c, k->seed + 12, 90, 2, &k->split);
+    return s;
 }
 
 /* Thickness of a layer goes along x by noise and may fall to nothing. */
@@ -164,7 +192,8 @@ static int32_t layer_at(const strata *k, int32_t i, double t, double y)
 
 typedef struct spot {
     int32_t layer, block, thing;
-    double x, y, top, low, edge; /* px to the border above, below, and any */
+    double x, y, top, low, joint, edge; /* px to the border above, below, beside, any */
+    double half;                        /* of the gap */
 } spot;
 
 static void locate(const strata *k, double x, double y, spot *p)
@@ -204,38 +233,45 @@ static void locate(const strata *k, double x, double y, spot *p)
     p->block = a + 1 + lo; /* layers have one block more than joints */
     p->thing = 1 + 2 * p->block + side;
     p->x = x, p->y = y;
-    p->edge = fmin(fmin(p->top, p->low), fmin(fmin(left, right), fabs(fault)));
-}
-
-/* Half width of the gap here: between a hair and the most, in stretches. */
-static double gap_half(const strata *k, const spot *p)
-{
-    double n = (double)tz_canvas_fbm(k->seed + 6, p->x / (2.2 * k->thick),
-                                     p->y / k->thick, 3, 0.6);
-    return 0.6 + k->half * tz_shape_ramp(-0.6, 0.7, n + k->open);
-}
-
-static void draw_skins(const tz_canvas *c, const strata *k, tz_shape_things *t)
-{
-    tz_rng own = tz_rng_make(k->seed, 3);
-    tz_canvas_skin_draw(&own, k->gap, 20, k->soil ? 0.9 : 0.4, &t->v[0].skin);
-    t->v[0].element = false, t->v[0].depth = 0;
-    double rough = tz_rng_range(&own, 0.15, 0.9);
-    for (int32_t j = 0; j < k->layers; j++) {
-        tz_rng r = tz_rng_make(k->seed, tz_rng_stream(4, (uint64_t)j, 0));
-        float layer[3], colour[3];
-        tz_canvas_colour(&r, k->family[tz_rng_below(&r, 3)], k->spread_layer,
-                         k->spread_layer, layer);
-        double loud = rough * tz_rng_range(&r, 0.5, 1.3);
-        for (int32_t b = 2 * (k->first[j] + j); b < 2 * (k->first[j + 1] + j + 1); b++) {
-            if (t->v[1 + b].seen == 0)
-                continue;
-            tz_canvas_colour(&r, layer, k->spread_block, k->spread_block, colour);
-            tz_canvas_skin_draw(&r, colour, sqrt((double)t->v[1 + b].seen), loud,
-                                &t->v[1 + b].skin);
-        }
+    p->joint = fmin(left, right);
+    if (tz_shape_unit(k->seed + 13, lo, 0) < k->rubble) {
+        tz_shape_cell hit =
+            tz_shape_cells_at(&k->stones, x + 0.4 * (jx - x), y + 0.4 * (jx - x));
+        p->thing = 1 + 2 * (k->joint.n + k->layers + 1) + hit.root;
+        p->joint = hit.edge;
     }
-    (void)c;
+    p->edge = fmin(fmin(p->top, p->low), fmin(p->joint, fabs(fault)));
+}
+
+/* Half width of the gap here: between a hair and the most, in stretches; joints across
+ * are narrower than what lies between layers. */
+static double gap_half(const strata *k, const spot *p, int32_t x, int32_t y)
+{
+    double n = tz_shape_field_at(&k->swell, x, y);
+    double most = k->half * (p->joint <= p->edge ? k->joint_share : 1);
+    return 0.6 + most * tz_shape_ramp(-0.6, 0.7, n + k->open);
+}
+
+/* Drawn when a thing is first met; blocks of a layer are much alike. */
+static const tz_canvas_skin *skin_of(const strata *k, tz_shape_things *t, int32_t id,
+                                     int32_t layer)
+{
+    tz_shape_thing *v = &t->v[id];
+    if (v->skin.seed != 0)
+        return &v->skin;
+    tz_rng r = tz_rng_make(k->seed, tz_rng_stream(4, (uint64_t)layer, 0));
+    float bed[3], colour[3];
+    tz_canvas_colour(&r, k->family[tz_rng_below(&r, 3)], k->spread_layer,
+                     0.6 * k->spread_layer, bed);
+    double loud = k->loud * tz_rng_range(&r, 0.5, 1.3);
+    tz_rng own = tz_rng_make(k->seed, tz_rng_stream(5, (uint64_t)id, 0));
+    if (id == 0) {
+        tz_canvas_skin_draw(&own, k->gap, 20, k->soil ? 0.9 : 0.4, &v->skin);
+        return &v->skin;
+    }
+    tz_canvas_colour(&own, bed, k->spread_block, 0.7 * k->spread_block, colour);
+    tz_canvas_skin_draw(&own, colour, k->thick, loud, &v->skin);
+    return &v->skin;
 }
 
 /* Layers and blocks stand out by different heights; their borders are rounded, the lower
@@ -248,58 +284,67 @@ static double height_of(const strata *k, const spot *p)
     return out + 0.5 * k->round * (sqrt(e * (2 - e)) + 0.5 * sqrt(top * (2 - top)));
 }
 
-static void paint(tz_canvas *c, const strata *k, const tz_shape_things *t,
-                  const float *edge, const spot *p, int64_t i)
+/* Relief and tone of the broken face of a block, and what is thin in it. */
+static void paint_face(tz_canvas *c, const strata *k, const spot *p, int64_t i)
 {
-    int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width), id = c->segment[i];
-    const tz_canvas_skin *skin = &t->v[id].skin;
-    double half = edge[i];
-    c->relief[i] = (float)(id == 0 ? -fmin(half, 8) : height_of(k, p));
-    tz_canvas_skin_at(c, skin, x, y);
-    if (id == 0) {
-        if (!k->soil)
-            tz_shape_dim(c, i, 0.5 + 0.5 * p->edge / fmax(half, 1) * 0.5);
-        return;
-    }
+    int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
+    double f = 1 / k->face_size;
+    double face = (double)tz_canvas_fbm(k->seed + 14 + (uint64_t)p->thing, p->x * 0.7 * f,
+                                        p->y * 1.3 * f, 4, 0.55);
+    c->relief[i] += (float)(k->face * face);
+    double tone = 1 + 0.05 * k->face * face;
     if (k->laminate > 0) {
         double n = (double)tz_canvas_fbm(k->seed + 9 + (uint64_t)p->layer, p->x / 90,
                                          p->y / (3 + 0.08 * k->thick), 3, 0.7);
-        tz_shape_dim(c, i, 1 + k->laminate * n);
+        tone *= 1 + k->laminate * n;
         c->relief[i] += (float)(0.15 * k->round * k->laminate * n);
     }
-    double share =
-        k->contact *
-        tz_shape_ramp(-1.1, 0.2,
-                      (double)tz_canvas_noise(k->seed + 10, p->x / 60, p->y / 60));
-    tz_shape_joint(c, i, p->edge, half, k->gap, share);
-    tz_shape_dim(c, i, 1 - 0.35 * share * exp(-p->edge / (2 + half)));
+    tz_shape_dim(c, i, tone);
+    if (k->cracks < 1 && p->edge > 5) {
+        double open = 1.6 * (tz_shape_field_at(&k->split, x, y) - k->cracks);
+        tz_vec2 q = {p->x, p->y}, wave = {0.7 * k->thick + 20, 0.9 * k->thick + 30};
+        tz_shape_crack(c, i, k->seed + 15, q, wave, fmin(open, 1), k->gap);
+    }
 }
 
-static tz_status paint_all(tz_canvas *c, strata *k, float *half)
+static void paint(tz_canvas *c, const strata *k, tz_shape_things *t, const spot *p,
+                  int64_t i)
+{
+    int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width), id = c->segment[i];
+    c->relief[i] = (float)(id == 0 ? -fmin(p->half, 8) : height_of(k, p));
+    tz_canvas_skin_at(c, skin_of(k, t, id, p->layer), x, y);
+    if (id == 0) {
+        if (!k->soil)
+            tz_shape_dim(c, i, 0.5 + 0.25 * p->edge / p->half);
+        return;
+    }
+    paint_face(c, k, p, i);
+    double share =
+        k->contact * tz_shape_ramp(-1.1, 0.2, tz_shape_field_at(&k->worn, x, y));
+    tz_shape_joint(c, i, p->edge, p->half, k->gap, share);
+    if (p->edge < 5 * (2 + p->half))
+        tz_shape_dim(c, i, 1 - 0.35 * share * exp(-p->edge / (2 + p->half)));
+}
+
+static tz_status paint_all(tz_canvas *c, strata *k)
 {
     tz_shape_things t = {0};
-    tz_status s = tz_shape_things_init(c, 1 + 2 * (k->joint.n + k->layers + 1), &t);
+    int32_t blocks = k->joint.n + k->layers + 1;
+    tz_status s =
+        tz_shape_things_init(c, 1 + 2 * blocks + k->stones.cols * k->stones.rows, &t);
     if (s != TZ_OK)
         return s;
-    spot p = {0};
-    int64_t n = (int64_t)c->width * c->height;
-    for (int pass = 0; pass < 2; pass++) {
-        for (int64_t i = 0; i < n; i++) {
-            tz_vec2 q = tz_shape_bend_at(&k->bend, (double)(i % c->width) + 0.5,
-                                         (double)(i / c->width) + 0.5);
-            locate(k, q.x, q.y, &p);
-            if (pass == 1) {
-                paint(c, k, &t, half, &p, i);
-                continue;
-            }
-            half[i] = (float)gap_half(k, &p);
-            c->segment[i] = half[i] >= 4 && p.edge < (double)half[i] ? 0 : p.thing;
-        }
-        if (pass == 0) {
-            tz_shape_things_count(c, &t);
-            draw_skins(c, k, &t);
-        }
+    t.v[0].element = false, t.v[0].depth = 0;
+    for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n; i++) {
+        int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
+        tz_vec2 q = tz_shape_bend_at(&k->bend, x + 0.5, y + 0.5);
+        spot p;
+        locate(k, q.x, q.y, &p);
+        p.half = gap_half(k, &p, x, y);
+        c->segment[i] = p.half >= 4 && p.edge < p.half ? 0 : p.thing;
+        paint(c, k, &t, &p, i);
     }
+    tz_shape_things_count(c, &t);
     s = tz_shape_things_commit(c, &t);
     tz_shape_things_deinit(c, &t);
     return s;
@@ -308,7 +353,6 @@ static tz_status paint_all(tz_canvas *c, strata *k, float *half)
 tz_status tz_scene_STRATA(tz_canvas *c)
 {
     strata k = {0};
-    float *half = NULL;
     draw_parameters(c, &k);
     tz_status s = draw_bend(c, &k);
     if (s == TZ_OK)
@@ -316,13 +360,14 @@ tz_status tz_scene_STRATA(tz_canvas *c)
     if (s == TZ_OK)
         s = build_joints(c, &k);
     if (s == TZ_OK)
-        s = tz_alloc(c->ctx, &half, (size_t)c->width * (size_t)c->height, sizeof *half);
-    if (s == TZ_OK)
-        s = paint_all(c, &k, half);
-    tz_free(c->ctx, half);
+        s = paint_all(c, &k);
     tz_array_free(c->ctx, &k.joint);
     tz_free(c->ctx, k.first);
     tz_free(c->ctx, k.y);
+    tz_shape_field_deinit(c, &k.split);
+    tz_shape_field_deinit(c, &k.worn);
+    tz_shape_field_deinit(c, &k.swell);
+    tz_shape_cells_deinit(c, &k.stones);
     tz_shape_bend_deinit(c, &k.bend);
     return s;
 }
