@@ -169,19 +169,20 @@ tz_status tz_ground_paint(tz_canvas *c, tz_rng *r, double size, const uint8_t *w
 /* ---- the scene ---------------------------------------------------------------------- */
 
 /* Another ground where noise is high, or beyond a wavy line. */
-static void part_ground(tz_canvas *c, tz_rng *r, uint8_t *side)
+static void part_ground(tz_canvas *c, tz_rng *r, uint8_t *beyond)
 {
-    const double size = c->width * tz_scene_spread(r, 0.15, 1);
-    const double level = tz_rng_range(r, -0.2, 0.3), gain = tz_rng_range(r, 0.3, 0.65);
+    const double side = c->width > c->height ? c->width : c->height;
+    const double size = side * tz_scene_spread(r, 0.15, 1);
+    const double level = tz_rng_range(r, -0.2, 0.3), gain = tz_rng_range(r, 0.3, 0.55);
     const double angle = tz_rng_range(r, 0, 2 * TZ_PI), cx = cos(angle), cy = sin(angle);
     const double slope = tz_scene_chance(r, 0.5) ? tz_scene_spread(r, 1, 6) : 0;
     const uint64_t seed = tz_rng_u64(r);
     for (int32_t y = 0; y < c->height; y++)
         for (int32_t x = 0; x < c->width; x++) {
             const int64_t p = (int64_t)y * c->width + x;
-            const double far = ((x - c->width / 2.0) * cx + (y - c->height / 2.0) * cy) *
-                               slope / c->width;
-            side[p] = tz_canvas_fbm(seed, x / size, y / size, 6, gain) + far > level;
+            const double far =
+                ((x - c->width / 2.0) * cx + (y - c->height / 2.0) * cy) * slope / side;
+            beyond[p] = tz_canvas_fbm(seed, x / size, y / size, 6, gain) + far > level;
         }
 }
 

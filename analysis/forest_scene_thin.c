@@ -4,6 +4,8 @@
  * one may go is asked when its turn comes, so curves two pixels wide keep one of the two. */
 #include "analysis/forest_scene_stage.h"
 
+enum { ANCHOR = 2, ANCHOR_RUN = 6 };
+
 /* Neighbours, clockwise from the upper left; bit k of a neighbourhood is neighbour k. */
 static const int8_t next_x[8] = {-1, 0, 1, 1, 1, 0, -1, -1};
 static const int8_t next_y[8] = {-1, -1, -1, 0, 1, 1, 1, 0};
@@ -52,11 +54,26 @@ static int64_t peel(uint8_t *mask, int32_t w, int32_t h, int32_t side, int64_t *
                 list[n++] = p;
         }
     for (int64_t i = 0; i < n; i++)
-        if (removable(neighbourhood(mask, w, h, list[i]))) {
+        if (mask[list[i]] != ANCHOR && removable(neighbourhood(mask, w, h, list[i]))) {
             mask[list[i]] = 0;
             gone++;
         }
     return gone;
+}
+
+/* A curve that leaves the picture is no end: the middle of each short run along the frame
+ * stays. `step` leads along one side of n pixels. */
+static void anchor_side(uint8_t *mask, int64_t first, int64_t step, int32_t n)
+{
+    for (int32_t i = 0, run = 0; i <= n; i++) {
+        if (i < n && mask[first + i * step]) {
+            run++;
+            continue;
+        }
+        if (run > 0 && run <= ANCHOR_RUN)
+            mask[first + (i - (run + 1) / 2) * step] = ANCHOR;
+        run = 0;
+    }
 }
 
 /* Where curves cross on the diagonals a square of four may be left of which none is
@@ -84,12 +101,18 @@ tz_status tz_scene_thin(tz_ctx *ctx, uint8_t *mask, int32_t width, int32_t heigh
         tz_alloc(ctx, &list, (size_t)width * (size_t)height, sizeof *list);
     if (s != TZ_OK)
         return s;
+    anchor_side(mask, 0, 1, width);
+    anchor_side(mask, (int64_t)(height - 1) * width, 1, width);
+    anchor_side(mask, 0, width, height);
+    anchor_side(mask, width - 1, width, height);
     while (gone > 0) {
         gone = 0;
         for (int32_t k = 0; k < 4; k++)
             gone += peel(mask, width, height, turn[k], list);
     }
     break_squares(mask, width, height);
+    for (int64_t p = 0; p < (int64_t)width * height; p++)
+        mask[p] = mask[p] != 0;
     tz_free(ctx, list);
     return TZ_OK;
 }

@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-enum { SPECK = 7 }; /* px: smaller parts of a piece are no truth worth learning */
+enum { SPECK = 15 }; /* px: smaller parts of a piece are no truth worth learning */
 
 static void majority(const tz_canvas *c, int32_t width, int32_t height, int32_t *segment)
 {
