@@ -125,11 +125,7 @@ void tz_ctx_free(tz_ctx *ctx)
     pthread_mutex_unlock(&ctx->pool_lock);
     for (int i = 1; i <= ctx->started; i++)
         pthread_join(ctx->workers[i].thread, NULL);
-    for (kept *k = ctx->kept, *next; k; k = next) {
-        next = k->next;
-        k->drop(k->thing);
-        free(k);
-    }
+    tz_ctx_drop_kept(ctx);
     pthread_mutex_destroy(&ctx->kept_lock);
     pthread_cond_destroy(&ctx->idle);
     pthread_cond_destroy(&ctx->wake);
@@ -166,6 +162,16 @@ tz_status tz_ctx_keep(tz_ctx *ctx, const char *name,
         *out = k->thing;
     pthread_mutex_unlock(&ctx->kept_lock);
     return s;
+}
+
+void tz_ctx_drop_kept(tz_ctx *ctx)
+{
+    for (kept *k = ctx->kept, *next; k; k = next) {
+        next = k->next;
+        k->drop(k->thing);
+        free(k);
+    }
+    ctx->kept = NULL;
 }
 
 int tz_ctx_threads(const tz_ctx *ctx) { return ctx ? ctx->threads : 1; }

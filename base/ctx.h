@@ -61,6 +61,9 @@ TZ_API tz_status tz_ctx_keep(tz_ctx *ctx, const char *name,
                              tz_status (*make)(tz_ctx *ctx, const char *name, void **out),
                              void (*drop)(void *thing), void **out);
 
+/** Frees all that tz_ctx_keep holds; nothing may be using it. */
+TZ_API void tz_ctx_drop_kept(tz_ctx *ctx);
+
 /** Records the message unless an earlier error already did; returns `s`, so that callers
  * write `return tz_fail(ctx, TZ_INVALID, "%s: ...", path);`. ctx NULL is allowed.
  * Messages name the file, the place and the remedy, in one line without a full stop. */

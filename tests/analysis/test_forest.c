@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The structured-forest module: a tiny model that runs, and models that must be refused. */
+/* Structured forests: a tiny model that runs, and files that must be refused. */
 #include "tests/analysis/draw.h"
 
 #include "analysis/forest.h"
@@ -78,19 +78,29 @@ static void bad_models_are_refused(void **state)
 {
     (void)state;
     static const char *const change[][3] = {
-        {"[ 2, 0, 0 ]", "[ 9, 0, 0 ]", "child"},
-        {"[ 2, 0, 0 ]", "[ 1, 0, 0 ]", "child"},
-        {"[ 2, 0, 0 ]", "[ -4, 0, 0 ]", "child"},
+        {"[ 2, 0, 0 ]", "[ 9, 0, 0 ]", "children"},
+        {"[ 2, 0, 0 ]", "[ 1, 0, 0 ]", "children"},
+        {"[ 2, 0, 0 ]", "[ -4, 0, 0 ]", "children"},
         {"[ 2, 0, 0 ]", "[ 2, 0 ]", "lengths"},
         {"[ 3200, 0, 0 ]", "[ 7228, 0, 0 ]", "feature"},
         {"[ 3200, 0, 0 ]", "[ -1, 0, 0 ]", "feature"},
         {"numberOfTrees: 8", "numberOfTrees: 100000", "numberOfTrees"},
-        {"numberOfTrees: 8", "numberOfTrees: 7", "trees"},
-        {"stride: 2", "stride: 0", "stride"},
+        {"numberOfTrees: 8", "numberOfTrees: 7", "length"},
+        {"numberOfTrees: 8", "numberOfTrees: 9", "tree 9"},
+        {"numberOfTreesToEvaluate: 4", "numberOfTreesToEvaluate: 9", "Evaluate"},
+        {"numberOfTrees: 8", "numberOfTrees: many", "number"},
         {"stride: 2", "pace: 2", "stride"},
-        {"patchSize: 32", "patchSize: 33", "divide"},
+        {"[ 2, 0, 0 ]", "[ 2, 0, 0, ]", "lengths"},
+        {"[ 2, 0, 0 ]", "[ 2 7, 0, 0 ]", "comma"},
+        {"[ 2, 0, 0 ]", "[ 2, 0, 0", "childs"},
+        {"[ 2, 0, 0 ]", "[ 1000000000, 0, 0 ]", "number 1"},
+        {"[ 0.5, 0., 0. ]", "[ 0.5, 1e999, 0. ]", "thresholds"},
+        {"[ 0.5, 0., 0. ]", "[ .nan, 0., 0. ]", "thresholds"},
+        {"[ 0.5, 0., 0. ]", "[ ]", "lengths"},
+        {"thresholds:", "threshold:", "thresholds"},
         {"edgeBoundaries: [ 0", "edgeBoundaries: [ 99", "rise"},
         {"edgeBoundaries: [ 0,", "edgeBoundaries: [", "length"},
+        {"edgeBoundaries: [ 0, 0", "edgeBoundaries: [ 0, 9", "rise"},
         {"edgeBins: [ 8", "edgeBins: [ 256", "edgeBins"},
         {"edgeBins: [ 8", "edgeBins: [ -1", "edgeBins"},
         {"%YAML:1.0", "rubbish", ""},
@@ -103,16 +113,147 @@ static void bad_models_are_refused(void **state)
             print_error("%s\n", change[i][1]);
         fails(ctx, s, TZ_FORMAT, change[i][2]);
     }
-    fails(ctx, detect(ctx, 80, 80, dir), TZ_IO, "regular");
+    fails(ctx, detect(ctx, 80, 80, model("patchSize: 32", "patchSize: 48")),
+          TZ_UNSUPPORTED, "patchSize");
+    fails(ctx, detect(ctx, 80, 80, model("stride: 2", "stride: 0")), TZ_UNSUPPORTED,
+          "stride");
+    fails(ctx, detect(ctx, 80, 80, dir), TZ_IO, dir);
     fails(ctx, detect(ctx, 80, 80, "/nonexistent.yml"), TZ_IO, "nonexistent");
     end_ctx(ctx);
+}
+
+/* The model as a gzip file of which `keep` bytes are there, or all of it and more. */
+static const char *packed(int32_t keep)
+{
+    static char path[160];
+    char command[400];
+    sprintf(path, "%s/packed.yml.gz", dir);
+    sprintf(command, "gzip -c '%s' > '%s'", model(NULL, NULL), path);
+    assert_int_equal(system(command), 0);
+    if (keep)
+        assert_int_equal(truncate(path, keep), 0);
+    return path;
+}
+
+static void gzip_files(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(1);
+    ok(ctx, detect(ctx, 80, 80, packed(0)));
+    tz_ctx_drop_kept(ctx);
+    for (int32_t keep = 1; keep < 300; keep += 13)
+        fails(ctx, detect(ctx, 80, 80, packed(keep)), TZ_FORMAT, "packed.yml.gz");
+    fails(ctx, detect(ctx, 80, 80, packed(10000)), TZ_FORMAT, "gzip"); /* zeros behind */
+    end_ctx(ctx);
+}
+
+/* A few kilobytes that unpack to a gigabyte, and lists that promise more than is there. */
+static void bombs(void **state)
+{
+    (void)state;
+    char path[160], command[400];
+    tz_ctx *ctx = new_ctx(2);
+    sprintf(path, "%s/bomb.yml.gz", dir);
+    sprintf(command, "head -c 1000000000 /dev/zero | gzip -1 > '%s'", path);
+    assert_int_equal(system(command), 0);
+    fails(ctx, detect(ctx, 80, 80, path), TZ_FORMAT, "512 MiB");
+    end_ctx(ctx);
+}
+
+static void stripes(const void *source, int32_t y, float *rgb)
+{
+    (void)source;
+    for (int32_t x = 0; x < 3 * 70; x++)
+        rgb[x] = (x / 21 + y / 9) % 2 ? 0.8F : 0.2F;
+}
+
+static tz_status read_and_detect(tz_ctx *ctx)
+{
+    static float response[70 * 40];
+    const tz_forest *f = NULL;
+    const tz_status s = tz_forest_of(ctx, model(NULL, NULL), &f);
+    return s == TZ_OK
+               ? tz_forest_detect(ctx, f, stripes, NULL, 70, 40, 2, 0, 40, response)
+               : s;
+}
+
+static void memory_may_fail(void **state)
+{
+    (void)state;
+    survive(read_and_detect, 2);
+}
+
+/* What is written is what was read, as text and packed. */
+static void round_trip(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(2);
+    tz_forest a, b;
+    char path[160];
+    ok(ctx, tz_forest_read(ctx, model(NULL, NULL), &a));
+    for (int i = 0; i < 2; i++) {
+        sprintf(path, "%s/again.yml%s", dir, i ? ".gz" : "");
+        ok(ctx, tz_forest_write(ctx, path, &a));
+        ok(ctx, tz_forest_read(ctx, path, &b));
+        const size_t n = (size_t)a.trees * (size_t)a.nodes;
+        assert_int_equal(b.trees, 8);
+        assert_int_equal(b.nodes, 3);
+        assert_memory_equal(a.child, b.child, n * sizeof *a.child);
+        assert_memory_equal(a.feature, b.feature, n * sizeof *a.feature);
+        assert_memory_equal(a.threshold, b.threshold, n * sizeof *a.threshold);
+        assert_memory_equal(a.bound, b.bound, (n + 1) * sizeof *a.bound);
+        assert_memory_equal(a.bin, b.bin, (size_t)a.bound[n]);
+        tz_forest_deinit(&b);
+    }
+    assert_int_equal(tz_forest_write(ctx, "/dev/full", &a), TZ_IO);
+    tz_ctx_clear(ctx);
+    tz_forest_deinit(&a);
+    end_ctx(ctx);
+}
+
+static void one_row(const void *source, int32_t y, float *rgb)
+{
+    const tz_image *im = source;
+    memcpy(rgb, tz_image_at(im, 0, y), 3 * sizeof *rgb * (size_t)im->width);
+}
+
+/* Rows of a slab are those of the whole, at any stride and thread count. */
+static void slabs_join(void **state)
+{
+    (void)state;
+    enum { W = 94, H = 130 };
+    static float whole[W * H], part[W * H];
+    for (int32_t stride = 2; stride <= 4; stride += 2)
+        for (int threads = 1; threads <= 8; threads *= 2) {
+            tz_ctx *ctx = new_ctx(threads);
+            tz_image im = new_picture(ctx, W, H, 3);
+            tz_forest f;
+            draw_pebbles(&im, 30, 1);
+            ok(ctx, tz_forest_read(ctx, model(NULL, NULL), &f));
+            if (threads == 1)
+                ok(ctx,
+                   tz_forest_detect(ctx, &f, one_row, &im, W, H, stride, 0, H, whole));
+            for (int32_t y = 0; y < H; y += 27)
+                ok(ctx, tz_forest_detect(ctx, &f, one_row, &im, W, H, stride, y,
+                                         y + 27 < H ? y + 27 : H, part + y * W));
+            assert_memory_equal(whole, part, sizeof whole);
+            tz_forest_deinit(&f);
+            tz_image_deinit(&im);
+            end_ctx(ctx);
+        }
+    float most = 0;
+    for (int32_t i = 0; i < W * H; i++)
+        most = whole[i] > most ? whole[i] : most;
+    assert_true(most > 0.1F);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sound_models_run),
-        cmocka_unit_test(bad_models_are_refused),
+        cmocka_unit_test(sound_models_run), cmocka_unit_test(bad_models_are_refused),
+        cmocka_unit_test(gzip_files),       cmocka_unit_test(bombs),
+        cmocka_unit_test(memory_may_fail),  cmocka_unit_test(round_trip),
+        cmocka_unit_test(slabs_join),
     };
     begin_dir(dir);
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);

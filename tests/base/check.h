@@ -29,6 +29,7 @@ static inline tz_ctx *new_ctx(int threads)
 /* Nothing may stay allocated. */
 static inline void end_ctx(tz_ctx *ctx)
 {
+    tz_ctx_drop_kept(ctx);
     assert_int_equal(tz_ctx_memory_used(ctx), 0);
     tz_ctx_free(ctx);
 }
