@@ -16,7 +16,8 @@ typedef struct bark {
     bool smooth;
     double wide, tall;               /* plate */
     double warp, rough, half, close; /* furrows: half width at most, share that is shut */
-    double depth, bulge, grain, grain_size, flake;
+    double depth, bulge, grain, grain_size, flake, face, cross, rough_skin, spread;
+    double cracks;
     double lichen, lichen_size, moss, dark;
     double mark_x, mark_y, mark_share; /* lenticels: cell of one, chance of one */
     double mark_size, mark_ratio;
@@ -48,6 +49,7 @@ static void draw_colours(tz_rng *r, bark *k)
         k->furrow[i] = k->base[i] * (float)k->dark;
     tz_canvas_colour(r, growth[tz_rng_below(r, 5)], 0.3, 0.3, k->lichen_colour);
     tz_canvas_colour(r, green, 0.4, 0.3, k->moss_colour);
+    tz_shape_part(k->lichen_colour, k->base, 0.45);
 }
 
 static void draw_parameters(tz_canvas *c, bark *k)
@@ -69,6 +71,11 @@ static void draw_parameters(tz_canvas *c, bark *k)
     k->bulge = k->wide * tz_rng_range(r, 0.02, 0.22);
     k->grain = tz_rng_range(r, 0.15, 0.8);
     k->grain_size = tz_shape_log_range(r, 2.5, 9);
+    k->face = tz_shape_log_range(r, 0.4, 0.1 * k->wide + 1);
+    k->cross = tz_shape_chance(r, 0.4) ? tz_rng_range(r, 0.2, 1) : 0;
+    k->rough_skin = tz_rng_range(r, 0.2, 0.8);
+    k->spread = tz_rng_range(r, 0.03, 0.3);
+    k->cracks = tz_shape_chance(r, 0.35) ? tz_rng_range(r, 0.1, 0.5) : 3;
     k->flake = scaly || tz_shape_chance(r, 0.2) ? tz_rng_range(r, 0.2, 1) : 0;
     k->lichen = tz_shape_chance(r, 0.45) ? tz_rng_range(r, 0.25, 0.6) : 2;
     k->lichen_size = tz_shape_log_range(r, 40, 160);
@@ -111,15 +118,15 @@ static tz_status build(tz_canvas *c, bark *k)
 static tz_vec2 warp_at(const bark *k, tz_vec2 q)
 {
     double w = 1.6 * k->wide, f = 7;
-    double broad = (double)tz_canvas_fbm(k->seed + 5, q.x / w, q.y / (2.2 * w), 2, 0.5);
+    double broad = (double)tz_canvas_fbm(k->seed + 5, q.x / w, q.y / (2.2 * w), 4, 0.6);
     double fine = (double)tz_canvas_fbm(k->seed + 6, q.x / f, q.y / (2 * f), 2, 0.7);
-    double up = (double)tz_canvas_noise(k->seed + 7, q.x / (0.4 * w), q.y / (0.8 * w));
+    double up = (double)tz_canvas_fbm(k->seed + 7, q.x / (0.5 * w), q.y / w, 2, 0.6);
     return (tz_vec2){q.x + k->warp * broad + k->rough * fine,
-                     q.y + 0.35 * k->warp * up + k->rough * fine};
+                     q.y + 0.5 * k->warp * up + k->rough * fine};
 }
 
 typedef struct spot {
-    tz_vec2 q;
+    tz_vec2 q; /* warped */
     double edge, half;
     int32_t plate;
 } spot;
@@ -133,7 +140,7 @@ static spot locate(const bark *k, int32_t x, int32_t y)
     double pair = tz_shape_unit(k->seed + 8, lo, hi);
     double wide = tz_shape_ramp(
         -0.9, 0.9, tz_shape_field_at(&k->broad, x, y) + 1.6 * pair - 0.8 - k->close);
-    return (spot){q, hit.edge, 0.7 + k->half * wide, hit.root};
+    return (spot){w, hit.edge, 0.7 + k->half * wide, hit.root};
 }
 
 static bool lichen_here(const bark *k, int32_t x, int32_t y)
@@ -151,21 +158,33 @@ static void paint_plate(tz_canvas *c, const bark *k, const spot *p, int64_t i)
     double out = 0.4 * k->depth * tz_shape_unit(k->seed + 10, p->plate, 0);
     double g = (double)tz_canvas_fbm(k->seed + 11, p->q.x / k->grain_size,
                                      p->q.y / (6 * k->grain_size), 3, 0.7);
-    double cross = (double)tz_canvas_fbm(k->seed + 12, p->q.x / 30, p->q.y / 6, 2, 0.6);
-    double crack = 1 - tz_shape_ramp(0.02, 0.09, fabs(cross + 0.25));
-    double step = 0;
+    double wf = 0.4 * k->wide;
+    double face =
+        (double)tz_canvas_fbm(k->seed + 18, p->q.x / wf, p->q.y / (1.6 * wf), 4, 0.6);
+    double cross = 0, crack = 0, step = 0;
+    if (k->cross > 0 || k->flake > 0)
+        cross = (double)tz_canvas_fbm(k->seed + 12, p->q.x / 30, p->q.y / 6, 2, 0.6);
+    if (k->cross > 0)
+        crack = k->cross * (1 - tz_shape_ramp(0.02, 0.09, fabs(cross + 0.25)));
     if (k->flake > 0) { /* terraces: old bark has come off in sheets */
         double t = (p->edge + 10 * cross) / (0.12 * k->wide);
         step = floor(t) + tz_shape_ramp(0.6, 1, t - floor(t));
         step = k->flake * fmin(step, 4);
     }
     c->relief[i] += (float)(k->depth + out + bulge + 0.3 * k->depth * k->grain * g -
-                            1.5 * k->grain * crack + 0.8 * step);
+                            1.5 * k->grain * crack + 0.8 * step + k->face * face);
     tz_shape_dim(c, i,
-                 (1 + k->grain * g) * (1 - 0.3 * k->grain * crack) *
+                 (1 + k->grain * g) * (1 - 0.3 * k->grain * crack) * (1 + 0.2 * face) *
                      (1 + 0.06 * step * (tz_shape_unit(k->seed, p->plate, 3) - 0.3)));
+    if (k->cracks < 1 && p->edge > 5) {
+        int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
+        double open = 1.6 * (tz_shape_field_at(&k->broad, x, y) - k->cracks);
+        tz_vec2 wave = {0.6 * k->wide, 1.1 * k->wide + 10};
+        tz_shape_crack(c, i, k->seed + 19, p->q, wave, fmin(open, 1), k->furrow);
+    }
     tz_shape_joint(c, i, p->edge, p->half, k->furrow, 0.9);
-    tz_shape_dim(c, i, 1 - 0.4 * (1 - k->dark) * exp(-p->edge / (2 + p->half)));
+    if (p->edge < 5 * (2 + p->half))
+        tz_shape_dim(c, i, 1 - 0.4 * (1 - k->dark) * exp(-p->edge / (2 + p->half)));
 }
 
 static void paint_furrow(tz_canvas *c, const bark *k, const spot *p, int64_t i)
@@ -187,49 +206,47 @@ static void paint_growth(tz_canvas *c, const bark *k, int64_t i, bool lichen)
         c->relief[i] += 1.2f;
 }
 
-static tz_status paint_plates(tz_canvas *c, bark *k, spot *spots)
+/* Drawn when a thing is first met. */
+static const tz_canvas_skin *skin_of(const bark *k, tz_shape_things *t, int32_t id)
+{
+    tz_shape_thing *v = &t->v[id];
+    if (v->skin.seed != 0)
+        return &v->skin;
+    tz_rng r = tz_rng_make(k->seed, tz_rng_stream(1, (uint64_t)id, 0));
+    float colour[3];
+    double spread = id < PLATE ? 0.1 : k->spread;
+    tz_canvas_colour(&r,
+                     id == FURROW   ? k->furrow
+                     : id == LICHEN ? k->lichen_colour
+                                    : k->base,
+                     spread, spread, colour);
+    tz_canvas_skin_draw(&r, colour, id == LICHEN ? 20 : k->wide, k->rough_skin, &v->skin);
+    return &v->skin;
+}
+
+static tz_status paint_plates(tz_canvas *c, bark *k)
 {
     tz_shape_things t = {0};
     tz_status s = tz_shape_things_init(c, PLATE + k->cells.cols * k->cells.rows, &t);
     if (s != TZ_OK)
         return s;
-    int64_t n = (int64_t)c->width * c->height;
-    for (int64_t i = 0; i < n; i++) {
+    t.v[FURROW].element = t.v[LICHEN].element = false;
+    t.v[FURROW].depth = 0, t.v[LICHEN].depth = 2;
+    for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n; i++) {
         int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
-        spots[i] = locate(k, x, y);
-        bool gap = spots[i].half >= 4 && spots[i].edge < spots[i].half;
-        c->segment[i] = gap                    ? FURROW
-                        : lichen_here(k, x, y) ? LICHEN
-                                               : PLATE + spots[i].plate;
-    }
-    tz_shape_things_count(c, &t);
-    double rough = tz_rng_range(&c->rng, 0.2, 0.8);
-    double spread = tz_rng_range(&c->rng, 0.03, 0.3);
-    for (int32_t j = 0; j < t.n; j++) {
-        tz_rng r = tz_rng_make(k->seed, tz_rng_stream(1, (uint64_t)j, 0));
-        float colour[3];
-        t.v[j].element = j >= PLATE;
-        t.v[j].depth = j == FURROW ? 0 : j == LICHEN ? 2 : 1;
-        if (t.v[j].seen == 0)
-            continue;
-        tz_canvas_colour(&r,
-                         j == FURROW   ? k->furrow
-                         : j == LICHEN ? k->lichen_colour
-                                       : k->base,
-                         j >= PLATE ? spread : 0.1, j >= PLATE ? spread : 0.1, colour);
-        tz_canvas_skin_draw(&r, colour, j == LICHEN ? 20 : k->wide, rough, &t.v[j].skin);
-    }
-    for (int64_t i = 0; i < n; i++) {
-        int32_t id = c->segment[i];
+        spot p = locate(k, x, y);
+        bool gap = p.half >= 4 && p.edge < p.half;
+        int32_t id = gap ? FURROW : lichen_here(k, x, y) ? LICHEN : PLATE + p.plate;
+        c->segment[i] = id;
         c->relief[i] = 0;
-        tz_canvas_skin_at(c, &t.v[id].skin, (int32_t)(i % c->width),
-                          (int32_t)(i / c->width));
+        tz_canvas_skin_at(c, skin_of(k, &t, id), x, y);
         if (id == FURROW)
-            paint_furrow(c, k, &spots[i], i);
+            paint_furrow(c, k, &p, i);
         else
-            paint_plate(c, k, &spots[i], i);
+            paint_plate(c, k, &p, i);
         paint_growth(c, k, i, id == LICHEN);
     }
+    tz_shape_things_count(c, &t);
     s = tz_shape_things_commit(c, &t);
     tz_shape_things_deinit(c, &t);
     return s;
@@ -280,7 +297,7 @@ static void paint_skin(tz_canvas *c, const bark *k, tz_vec2 q, const mark *m, in
                  1 + 0.35 * k->grain * wrinkle + 0.25 * k->grain * fmax(scar - 0.3, 0));
     if (m->cell >= 0) {
         double share = tz_shape_ramp(0, 1.5, m->edge);
-        tz_shape_tint(c, i, k->furrow, (0.55 + 0.4 * k->grain) * share);
+        tz_shape_tint(c, i, k->furrow, (0.65 + 0.3 * k->grain) * share);
         c->relief[i] += (float)(share * m->b * (0.3 * (1 - fabs(m->u)) - 0.15));
     }
 }
@@ -307,7 +324,8 @@ static tz_status paint_smooth(tz_canvas *c, bark *k)
         c->segment[i] = lichen                      ? LICHEN
                         : m.cell >= 0 && m.b >= 4.5 ? PLATE + 1 + m.cell
                                                     : PLATE;
-        c->line[i] = !lichen && m.cell >= 0 && m.b < 4.5 && fabs(m.u * m.b) <= 0.5;
+        c->line[i] =
+            !lichen && m.cell >= 0 && m.b < 4.5 && m.b > 2 && fabs(m.u * m.b) <= 0.5;
         c->relief[i] = 0;
         tz_canvas_skin_at(c, &t.v[lichen ? LICHEN : PLATE].skin, x, y);
         if (lichen)
@@ -324,16 +342,10 @@ static tz_status paint_smooth(tz_canvas *c, bark *k)
 tz_status tz_scene_BARK(tz_canvas *c)
 {
     bark k = {0};
-    spot *spots = NULL;
     draw_parameters(c, &k);
     tz_status s = build(c, &k);
-    if (s == TZ_OK && k.smooth)
-        s = paint_smooth(c, &k);
-    if (s == TZ_OK && !k.smooth)
-        s = tz_alloc(c->ctx, &spots, (size_t)c->width * (size_t)c->height, sizeof *spots);
-    if (s == TZ_OK && !k.smooth)
-        s = paint_plates(c, &k, spots);
-    tz_free(c->ctx, spots);
+    if (s == TZ_OK)
+        s = k.smooth ? paint_smooth(c, &k) : paint_plates(c, &k);
     tz_shape_field_deinit(c, &k.mossy);
     tz_shape_field_deinit(c, &k.broad);
     tz_shape_cells_deinit(c, &k.cells);

@@ -113,6 +113,36 @@ void tz_leaf_draw(tz_rng *r, const tz_leaf_species *s, tz_vec2 middle, double an
         draw_star(r, s, leaf);
     else
         draw_sides(r, s, leaf);
+    leaf->widest = leaf->length;
+    if (s->kind != TZ_LEAF_STAR) {
+        leaf->widest = leaf->stalk_half;
+        for (int i = 0; i < 2 * TZ_LEAF_TABLE; i++)
+            leaf->widest = fmax(leaf->widest,
+                                (double)leaf->side[i / TZ_LEAF_TABLE][i % TZ_LEAF_TABLE]);
+        double far = fmax(leaf->length, leaf->stalk);
+        leaf->widest += fabs(leaf->bend) * far * far + 1;
+    }
+}
+
+/* Where row y meets the rectangle -u0 <= u <= u1, |w| <= widest about the midrib's chord. */
+void tz_leaf_span(const tz_leaf *leaf, double y, double *x0, double *x1)
+{
+    double dy = y - leaf->at.y,
+           back = leaf->kind == TZ_LEAF_STAR ? leaf->length : leaf->stalk;
+    const double slope[2] = {leaf->co, -leaf->si};
+    const double at[2] = {leaf->si * dy, leaf->co * dy};
+    const double lo[2] = {-back - 1, -leaf->widest},
+                 hi[2] = {leaf->length + 1, leaf->widest};
+    for (int i = 0; i < 2; i++) {
+        if (fabs(slope[i]) < 1e-6) {
+            if (at[i] < lo[i] || at[i] > hi[i])
+                *x1 = *x0;
+            continue;
+        }
+        double a = (lo[i] - at[i]) / slope[i], b = (hi[i] - at[i]) / slope[i];
+        *x0 = fmax(*x0, leaf->at.x + fmin(a, b) - 1);
+        *x1 = fmin(*x1, leaf->at.x + fmax(a, b) + 1);
+    }
 }
 
 static double table(const float *v, double at, double *slope)

@@ -34,7 +34,8 @@ typedef struct tz_leaf {
     tz_vec2 at;    /* base */
     double co, si; /* direction of the midrib */
     double length, bend, squash, stalk, stalk_half;
-    double reach; /* px round the base beyond which there is nothing */
+    double reach;  /* px round the base beyond which there is nothing */
+    double widest; /* px from the chord of the midrib beyond which there is nothing */
     float side[2][TZ_LEAF_TABLE];
 } tz_leaf;
 
@@ -47,6 +48,8 @@ typedef struct tz_leaf_spot {
 void tz_leaf_species_draw(tz_rng *r, double length, tz_leaf_species *s);
 void tz_leaf_draw(tz_rng *r, const tz_leaf_species *s, tz_vec2 middle, double angle,
                   tz_leaf *leaf);
+/** Columns that row y of the leaf's box may fill, within *x0 .. *x1; x1 <= x0 if none. */
+void tz_leaf_span(const tz_leaf *leaf, double y, double *x0, double *x1);
 /** False outside. */
 bool tz_leaf_at(const tz_leaf *leaf, double x, double y, tz_leaf_spot *spot);
 

@@ -94,7 +94,7 @@ static void draw_parameters(tz_canvas *c, heap *k)
 static double mean_area(const tz_leaf_species *s)
 {
     double shape = s->kind == TZ_LEAF_STAR ? 0.35 : 1.3 * s->width;
-    return fmax(shape * s->length * s->length, 60);
+    return fmax(shape * s->length * s->length, 700);
 }
 
 static void draw_twig(tz_rng *r, double length, tz_leaf_species *s)
@@ -162,13 +162,14 @@ static void lay(tz_canvas *c, heap *k, int32_t i, tz_shape_thing *thing)
     pose *p = &k->pose[i];
     const tz_leaf *leaf = &p->leaf;
     p->level = support(c, leaf) + k->thick;
-    int32_t x0 = (int32_t)fmax(0, leaf->at.x - leaf->reach);
     int32_t y0 = (int32_t)fmax(0, leaf->at.y - leaf->reach);
-    int32_t x1 = (int32_t)fmin(c->width, leaf->at.x + leaf->reach);
     int32_t y1 = (int32_t)fmin(c->height, leaf->at.y + leaf->reach);
     double arch = p->arch / leaf->length / leaf->length;
-    for (int32_t y = y0; y < y1; y++)
-        for (int32_t x = x0; x < x1; x++) {
+    for (int32_t y = y0; y < y1; y++) {
+        double x0 = fmax(0, leaf->at.x - leaf->reach);
+        double x1 = fmin(c->width, leaf->at.x + leaf->reach);
+        tz_leaf_span(leaf, y + 0.5, &x0, &x1);
+        for (int32_t x = (int32_t)x0; x < (int32_t)x1; x++) {
             tz_leaf_spot spot;
             if (!tz_leaf_at(leaf, x + 0.5, y + 0.5, &spot) || in_hole(k, p, &spot, i))
                 continue;
@@ -186,6 +187,7 @@ static void lay(tz_canvas *c, heap *k, int32_t i, tz_shape_thing *thing)
             c->relief[at] =
                 (float)(p->level + lift + arch * 4 * spot.u * (leaf->length - spot.u));
         }
+    }
 }
 
 /* Share of the vein colour: midrib, and side veins that leave it at half a right angle;

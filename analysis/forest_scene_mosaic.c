@@ -22,6 +22,7 @@ typedef struct mosaic {
     double bevel, tilt, lift, sink, spread;
     float family[FAMILIES][3], grout[3];
     bool chequered;
+    double loud, bump, motley; /* bump: polished or not */
 } mosaic;
 
 typedef struct mosaic_spot {
@@ -47,6 +48,9 @@ static void draw_colours(tz_rng *r, mosaic *k)
         tz_canvas_base_colour(r, k->grout);
     else
         tz_canvas_colour(r, choice < 0.65 ? cement : dark, 0.5, 0.2, k->grout);
+    double apart = k->kind == CHIPS ? 0.35 : tz_shape_log_range(r, 0.08, 0.6);
+    for (int i = 0; i < FAMILIES; i++)
+        tz_shape_part(k->family[i], k->grout, apart);
 }
 
 static void draw_parameters(tz_canvas *c, mosaic *k)
@@ -69,6 +73,9 @@ static void draw_parameters(tz_canvas *c, mosaic *k)
     k->lift = tz_shape_log_range(r, 0.1, 4);
     k->sink = tz_shape_log_range(r, 0.2, 6);
     k->course = k->kind == COURSES ? k->wide * tz_rng_range(r, 2, 4) : 1e9;
+    k->loud = tz_rng_range(r, 0.05, 0.9);
+    k->bump = tz_shape_chance(r, 0.5) ? 0.2 : 1;
+    k->motley = tz_rng_unit(r);
     draw_colours(r, k);
 }
 
@@ -257,28 +264,23 @@ static int32_t drop_chips(tz_canvas *c, mosaic *k, mosaic_spot *spots, int32_t m
 
 /* ---- paint --------------------------------------------------------------------------------- */
 
-static void draw_skins(const mosaic *k, tz_shape_things *t)
+/* Drawn when a piece is first met. */
+static const tz_canvas_skin *skin_of(const mosaic *k, tz_shape_things *t, int32_t i)
 {
-    tz_rng own = tz_rng_make(k->seed, 1);
-    double rough = tz_rng_range(&own, 0.05, 0.9);
-    double bump = tz_shape_chance(&own, 0.5) ? 0.2 : 1; /* polished or not */
-    double motley = tz_rng_unit(&own);
-    for (int32_t i = 0; i < t->n; i++) {
-        tz_shape_thing *v = &t->v[i];
-        v->element = i > 0, v->depth = i > 0;
-        if (v->seen == 0)
-            continue;
-        tz_rng r = tz_rng_make(k->seed, tz_rng_stream(2, (uint64_t)i, 0));
-        int family = k->chequered                  ? i & 1
-                     : tz_shape_chance(&r, motley) ? tz_rng_below(&r, FAMILIES)
-                                                   : 0;
-        float colour[3];
-        tz_canvas_colour(&r, i ? k->family[family] : k->grout, i ? k->spread : 0,
-                         i ? k->spread : 0, colour);
-        tz_canvas_skin_draw(&r, colour, i ? sqrt((double)v->seen) : 12, i ? rough : 0.5,
-                            &v->skin);
-        v->skin.bump *= (float)bump;
-    }
+    tz_shape_thing *v = &t->v[i];
+    if (v->skin.seed != 0)
+        return &v->skin;
+    tz_rng r = tz_rng_make(k->seed, tz_rng_stream(2, (uint64_t)i, 0));
+    int family = k->chequered                     ? i & 1
+                 : tz_shape_chance(&r, k->motley) ? tz_rng_below(&r, FAMILIES)
+                                                  : 0;
+    float colour[3];
+    tz_canvas_colour(&r, i ? k->family[family] : k->grout, i ? k->spread : 0,
+                     i ? k->spread : 0, colour);
+    tz_canvas_skin_draw(&r, colour, i ? k->wide : 12, i ? k->loud : 0.5, &v->skin);
+    v->skin.bump *= (float)k->bump;
+    v->element = i > 0, v->depth = i > 0;
+    return &v->skin;
 }
 
 static void paint(tz_canvas *c, const mosaic *k, const tz_canvas_skin *skin,
@@ -304,34 +306,31 @@ tz_status tz_scene_MOSAIC(tz_canvas *c)
 {
     mosaic k = {0};
     tz_shape_things t = {0};
-    mosaic_spot *p = NULL;
+    mosaic_spot *chips = NULL;
     int64_t n = (int64_t)c->width * c->height;
     draw_parameters(c, &k);
     tz_status s = build(c, &k);
-    if (s == TZ_OK)
-        s = tz_alloc_zero(c->ctx, &p, (size_t)n, sizeof *p);
-    if (s != TZ_OK)
-        goto done;
     int32_t things = thing_count(&k);
-    if (k.kind == CHIPS)
-        things = 1 + drop_chips(c, &k, p, (int32_t)(n / 60));
-    s = tz_shape_things_init(c, things, &t);
-    if (s != TZ_OK)
-        goto done;
-    for (int64_t i = 0; i < n; i++) {
-        if (k.kind != CHIPS)
-            p[i] = locate(&k, (int32_t)(i % c->width), (int32_t)(i / c->width));
-        bool joint = p[i].half >= 4 && p[i].edge < p[i].half;
-        c->segment[i] = joint ? 0 : p[i].thing;
+    if (s == TZ_OK && k.kind == CHIPS) {
+        s = tz_alloc_zero(c->ctx, &chips, (size_t)n, sizeof *chips);
+        if (s == TZ_OK)
+            things = 1 + drop_chips(c, &k, chips, (int32_t)(n / 60));
     }
-    tz_shape_things_count(c, &t);
-    draw_skins(&k, &t);
-    for (int64_t i = 0; i < n; i++)
-        paint(c, &k, &t.v[c->segment[i]].skin, &p[i], i);
-    s = tz_shape_things_commit(c, &t);
-done:
+    if (s == TZ_OK)
+        s = tz_shape_things_init(c, things, &t);
+    for (int64_t i = 0; i < n && s == TZ_OK; i++) {
+        mosaic_spot p =
+            chips ? chips[i]
+                  : locate(&k, (int32_t)(i % c->width), (int32_t)(i / c->width));
+        c->segment[i] = p.half >= 4 && p.edge < p.half ? 0 : p.thing;
+        paint(c, &k, skin_of(&k, &t, c->segment[i]), &p, i);
+    }
+    if (s == TZ_OK) {
+        tz_shape_things_count(c, &t);
+        s = tz_shape_things_commit(c, &t);
+    }
     tz_shape_things_deinit(c, &t);
-    tz_free(c->ctx, p);
+    tz_free(c->ctx, chips);
     tz_shape_cells_deinit(c, &k.cells);
     tz_shape_bend_deinit(c, &k.bend);
     return s;

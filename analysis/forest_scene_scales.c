@@ -19,8 +19,14 @@ typedef struct scales {
     double thick, dome, bevel, joint, dark, rings, ribs, grain, fade;
     int32_t first_row, first_col, cols, rows, above; /* above: rows that may cover one */
     float family[3][3], gap[3];
-    double spread, family_share;
+    double spread, family_share, loud;
+    struct scale_own *own; /* rows * cols */
 } scales;
+
+/** What is drawn once a scale. */
+typedef struct scale_own {
+    float left, length, skew, order; /* left border, px */
+} scale_own;
 
 typedef struct scale_spot {
     int32_t thing; /* 0 = what lies under all */
@@ -75,6 +81,7 @@ static void draw_parameters(tz_canvas *c, scales *k)
     k->ribs = tz_shape_chance(r, 0.25) ? tz_rng_range(r, 0.05, 0.4) : 0;
     k->grain = tz_shape_chance(r, 0.4) ? tz_rng_range(r, 0.1, 0.6) : 0;
     k->fade = tz_rng_range(r, -0.35, 0.45);
+    k->loud = tz_rng_range(r, 0.1, 0.9);
     draw_colours(r, k);
 }
 
@@ -104,6 +111,22 @@ static double border_at(const scales *k, int32_t i, int32_t j)
     return k->wide * (i + shift + k->jitter * (tz_shape_unit(k->seed + 3, i, j) - 0.5));
 }
 
+static tz_status build_own(tz_canvas *c, scales *k)
+{
+    tz_status s =
+        tz_alloc(c->ctx, &k->own, (size_t)k->rows * (size_t)k->cols, sizeof *k->own);
+    for (int32_t i = 0; i < k->rows * k->cols && s == TZ_OK; i++) {
+        int32_t row = k->first_row + i / k->cols, col = k->first_col + i % k->cols;
+        double longer = k->jitter_end * (tz_shape_unit(k->seed + 4, i, 0) - 0.5);
+        k->own[i] = (scale_own){.left = (float)border_at(k, col, row),
+                                .length = (float)(k->length * (1 + longer)),
+                                .skew = (float)(0.4 * k->jitter_end *
+                                                (tz_shape_unit(k->seed + 4, i, 1) - 0.5)),
+                                .order = (float)tz_shape_unit(k->seed + 7, i, 0)};
+    }
+    return s;
+}
+
 /* Value of the outline's equation less 1, negative inside, and its length of slope. */
 static double outline(const scales *k, double x, double s, double half, double span,
                       double *slope)
@@ -118,16 +141,13 @@ static double outline(const scales *k, double x, double s, double half, double s
 static bool scale_at(const scales *k, int32_t i, int32_t j, double x, double y,
                      scale_spot *p)
 {
-    double a = border_at(k, i, j), b = border_at(k, i + 1, j);
     int32_t thing = 1 + (j - k->first_row) * k->cols + i - k->first_col;
-    double length =
-        k->length * (1 + k->jitter_end * (tz_shape_unit(k->seed + 4, thing, 0) - 0.5));
+    const scale_own *own = &k->own[thing - 1];
+    double a = (double)own[0].left, b = (double)own[1].left, length = (double)own->length;
     p->thing = thing;
     p->half = 0.5 * (b - a) * 1.01 + 0.4;
     p->x = x - 0.5 * (a + b);
-    p->t = (y - j * k->pitch +
-            k->jitter_end * 0.4 * p->x * (tz_shape_unit(k->seed + 4, thing, 1) - 0.5)) /
-           length;
+    p->t = (y - j * k->pitch + p->x * (double)own->skew) / length;
     if (p->t < 0 || p->t > 1 || fabs(p->x) > p->half)
         return false;
     double span = (1 - k->shoulder) * length, slope;
@@ -146,13 +166,16 @@ static scale_spot locate(const scales *k, tz_vec2 v)
         v.y + k->rough * (double)tz_canvas_fbm(k->seed + 6, v.x / w, v.y / w, 2, 0.6);
     int32_t row = (int32_t)floor(y / k->pitch);
     for (int32_t j = row - k->above; j <= row; j++) {
-        int32_t i = (int32_t)floor(x / k->wide - (border_at(k, 0, j) / k->wide)) - 1;
+        if (j < k->first_row || j - k->first_row >= k->rows)
+            continue;
+        double left = (double)k->own[(int64_t)(j - k->first_row) * k->cols].left;
+        int32_t i = (int32_t)floor((x - left) / k->wide) + k->first_col - 1;
         scale_spot best = {0}, p;
         double highest = -1;
         for (int32_t m = i; m <= i + 2; m++)
-            if (j >= k->first_row && m >= k->first_col && m - k->first_col < k->cols &&
-                j - k->first_row < k->rows && scale_at(k, m, j, x, y, &p)) {
-                double order = tz_shape_unit(k->seed + 7, p.thing, 0);
+            if (m >= k->first_col && m - k->first_col + 1 < k->cols &&
+                scale_at(k, m, j, x, y, &p)) {
+                double order = (double)k->own[p.thing - 1].order;
                 if (order > highest)
                     highest = order, best = p;
             }
@@ -187,56 +210,45 @@ static void paint(tz_canvas *c, const scales *k, const tz_canvas_skin *skin,
     tz_shape_dim(c, i, 1 - 0.3 * k->dark * exp(-p->edge / 4));
 }
 
-static void draw_skins(const scales *k, tz_shape_things *t)
+/* Drawn when a scale is first met. */
+static const tz_canvas_skin *skin_of(const scales *k, tz_shape_things *t, int32_t i)
 {
-    tz_rng own = tz_rng_make(k->seed, 1);
-    double rough = tz_rng_range(&own, 0.1, 0.9);
-    for (int32_t i = 0; i < t->n; i++) {
-        tz_shape_thing *v = &t->v[i];
-        v->depth = t->n - i;
-        if (i == 0)
-            v->element = false, v->depth = 0;
-        if (v->seen == 0)
-            continue;
-        tz_rng r = tz_rng_make(k->seed, tz_rng_stream(2, (uint64_t)i, 0));
-        float colour[3];
-        int family = tz_shape_chance(&r, k->family_share) ? 1 + tz_rng_below(&r, 2) : 0;
-        tz_canvas_colour(&r, i ? k->family[family] : k->gap, k->spread, k->spread,
-                         colour);
-        tz_canvas_skin_draw(&r, colour, k->wide, rough, &v->skin);
-    }
+    tz_shape_thing *v = &t->v[i];
+    if (v->skin.seed != 0)
+        return &v->skin;
+    tz_rng r = tz_rng_make(k->seed, tz_rng_stream(2, (uint64_t)i, 0));
+    float colour[3];
+    int family = tz_shape_chance(&r, k->family_share) ? 1 + tz_rng_below(&r, 2) : 0;
+    tz_canvas_colour(&r, i ? k->family[family] : k->gap, k->spread, k->spread, colour);
+    tz_canvas_skin_draw(&r, colour, k->wide, k->loud, &v->skin);
+    v->depth = i ? t->n - i : 0;
+    v->element = i != 0;
+    return &v->skin;
 }
 
 tz_status tz_scene_SCALES(tz_canvas *c)
 {
     scales k = {0};
     tz_shape_things t = {0};
-    scale_spot *p = NULL;
-    int64_t n = (int64_t)c->width * c->height;
     draw_parameters(c, &k);
     tz_status s = draw_bend(c, &k);
     if (s == TZ_OK)
-        s = tz_alloc(c->ctx, &p, (size_t)n, sizeof *p);
+        s = build_own(c, &k);
     if (s == TZ_OK)
         s = tz_shape_things_init(c, 1 + k.cols * k.rows, &t);
-    if (s != TZ_OK)
-        goto done;
-    for (int64_t i = 0; i < n; i++) {
-        p[i] = locate(&k, tz_shape_bend_at(&k.bend, (double)(i % c->width) + 0.5,
-                                           (double)(i / c->width) + 0.5));
-        c->segment[i] = p[i].thing;
+    for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n && s == TZ_OK; i++) {
+        tz_vec2 q = tz_shape_bend_at(&k.bend, (double)(i % c->width) + 0.5,
+                                     (double)(i / c->width) + 0.5);
+        scale_spot p = locate(&k, q);
+        c->segment[i] = p.thing;
+        paint(c, &k, skin_of(&k, &t, p.thing), &p, q, i);
     }
-    tz_shape_things_count(c, &t);
-    draw_skins(&k, &t);
-    for (int64_t i = 0; i < n; i++)
-        paint(c, &k, &t.v[p[i].thing].skin, &p[i],
-              tz_shape_bend_at(&k.bend, (double)(i % c->width) + 0.5,
-                               (double)(i / c->width) + 0.5),
-              i);
-    s = tz_shape_things_commit(c, &t);
-done:
+    if (s == TZ_OK) {
+        tz_shape_things_count(c, &t);
+        s = tz_shape_things_commit(c, &t);
+    }
     tz_shape_things_deinit(c, &t);
-    tz_free(c->ctx, p);
+    tz_free(c->ctx, k.own);
     tz_shape_bend_deinit(c, &k.bend);
     return s;
 }

@@ -336,33 +336,36 @@ tz_shape_cell tz_shape_cells_at(const tz_shape_cells *k, double x, double y)
     double ax = (x - k->x) / k->def.pitch_x, ay = (y - k->y) / k->def.pitch_y;
     int32_t cx = clamp_index((int32_t)ax, 2, k->cols - 3);
     int32_t cy = clamp_index((int32_t)ay, 2, k->rows - 3);
-    double d2[25], best = 1e30;
     int32_t at[25], near = 0;
+    float d2[25], fx = (float)ax, fy = (float)ay;
     for (int m = 0; m < 25; m++) {
         at[m] = (cy + m / 5 - 2) * k->cols + cx + m % 5 - 2;
-        double dx = (double)k->point[2 * at[m]] - ax;
-        double dy = (double)k->point[2 * at[m] + 1] - ay;
+        float dx = k->point[2 * at[m]] - fx, dy = k->point[2 * at[m] + 1] - fy;
         d2[m] = dx * dx + dy * dy;
-        if (d2[m] < best)
-            best = d2[m], near = m;
     }
+    for (int m = 1; m < 25; m++)
+        if (d2[m] < d2[near])
+            near = m;
     tz_shape_cell hit = {.cell = at[near], .root = k->root[at[near]], .edge = 1e9};
     hit.other = hit.root;
     const float *p = k->point + 2 * at[near];
-    double stretch_x = 1 / k->def.pitch_x, stretch_y = 1 / k->def.pitch_y;
+    float stretch_x = (float)(1 / k->def.pitch_x),
+          stretch_y = (float)(1 / k->def.pitch_y);
+    /* no two of the points are further apart than six pitches either way */
+    float longest = 8.5f * (stretch_x > stretch_y ? stretch_x : stretch_y), reach = 1e9f;
     for (int m = 0; m < 25; m++) {
-        if (k->root[at[m]] == hit.root)
+        float twice = d2[m] - d2[near];
+        if (twice > reach || k->root[at[m]] == hit.root)
             continue;
         const float *q = k->point + 2 * at[m];
-        double gx = (double)(q[0] - p[0]) * stretch_x;
-        double gy = (double)(q[1] - p[1]) * stretch_y;
-        double twice = d2[m] - best, g2 = gx * gx + gy * gy;
-        if (twice * twice >= 4 * hit.edge * hit.edge * g2)
+        float gx = (q[0] - p[0]) * stretch_x, gy = (q[1] - p[1]) * stretch_y;
+        float g = sqrtf(gx * gx + gy * gy), edge = 0.5f * twice / g;
+        if ((double)edge >= hit.edge)
             continue;
-        double g = sqrt(g2);
-        hit.edge = 0.5 * twice / g;
+        hit.edge = (double)edge;
         hit.other = k->root[at[m]];
-        hit.dx = gx / g, hit.dy = gy / g;
+        hit.dx = (double)(gx / g), hit.dy = (double)(gy / g);
+        reach = 2 * edge * longest;
     }
     return hit;
 }

@@ -54,12 +54,12 @@ static tz_status bend_bands(tz_canvas *c, bands *k)
     tz_rng *r = &c->rng;
     tz_shape_bend_def d = {.angle = tz_rng_range(r, 0, 2 * TZ_PI), .octaves = 3};
     d.warp_size = c->width * tz_shape_log_range(r, 0.3, 1.4);
-    d.warp = d.warp_size * tz_shape_log_range(r, 0.05, 0.35);
+    d.warp = d.warp_size * tz_shape_log_range(r, 0.06, 0.5);
     tz_status s = tz_shape_bend_init(c, k->seed + 1, &d, &k->bend);
     if (s != TZ_OK)
         return s;
     double wave = c->width * tz_shape_log_range(r, 0.15, 0.7);
-    double fold = wave * tz_shape_log_range(r, 0.03, 0.5);
+    double fold = wave * tz_shape_log_range(r, 0.06, 0.9);
     double twist = tz_rng_range(r, 0, 0.9);
     double lo = 1e30, hi = -1e30;
     for (int32_t i = 0; i < k->bend.cols * k->bend.rows; i++) {
@@ -89,13 +89,17 @@ static tz_status draw_bands(tz_canvas *c, bands *k)
             if (!last || contrast(b.colour, last->colour) > 0.3)
                 break;
         }
+        if (last)
+            tz_shape_part(b.colour, last->colour, tz_shape_log_range(r, 0.12, 0.7));
         bool blur = tz_shape_chance(r, k->soft_share);
-        b.soft = (float)(blur ? tz_rng_range(r, 14, 50) : tz_shape_log_range(r, 1, 7));
+        for (int q = 0; q < 3 && blur && last; q++) /* a blur that is steep is an edge */
+            b.colour[q] = 0.5f * (b.colour[q] + last->colour[q]);
+        b.soft = (float)(blur ? tz_rng_range(r, 30, 80) : tz_shape_log_range(r, 1, 7));
         if (last && !blur)
             k->pieces++;
         b.piece = k->pieces;
         b.streak = tz_rng_range(r, 0.05, 0.7);
-        at += fmax(k->width * exp(k->spread * tz_rng_normal(r)), blur ? 30 : 3);
+        at += fmax(k->width * exp(k->spread * tz_rng_normal(r)), blur ? 50 : 3);
         s = tz_array_push(c->ctx, &k->band, b);
     }
     k->pieces++;
@@ -304,7 +308,7 @@ static tz_status build_net(tz_canvas *c, net *k)
     }
     for (int i = 0; i < 3 && s == TZ_OK; i++)
         s = tz_shape_field_init(c, k->seed + 5 + (uint64_t)i,
-                                k->pitch * (i == 1 ? 0.5 : 0.9), 2, &k->swell[i]);
+                                k->pitch * (i == 1 ? 0.8 : 1.1), 2, &k->swell[i]);
     return s;
 }
 
@@ -374,7 +378,7 @@ static void net_lines(tz_canvas *c, const vein_spot *p, bool tones)
             for (int m = tones ? 1 : 0; m < 3; m++)
                 if ((p[i].side[m] != p[i + 1].side[m] ||
                      p[i].side[m] != p[i + c->width].side[m]) &&
-                    p[i].strength[m] > 0.3 && p[i].half[m] > 0.5 && c->segment[i] != 0)
+                    p[i].strength[m] > 0.2 && p[i].half[m] > 0.5 && c->segment[i] != 0)
                     c->line[i] = 1;
         }
 }
@@ -397,7 +401,7 @@ static tz_status paint_net(tz_canvas *c)
         p[i] = net_at(&k, (int32_t)(i % c->width), (int32_t)(i / c->width));
         bool vein = false;
         for (int m = 0; m < 3; m++)
-            vein |= p[i].half[m] >= 4 && p[i].strength[m] > 0.3 &&
+            vein |= p[i].half[m] >= 4 && p[i].strength[m] > 0.2 &&
                     p[i].edge[m] < p[i].half[m];
         c->segment[i] = vein ? 0 : k.tones ? 2 + p[i].side[0] : 1;
     }

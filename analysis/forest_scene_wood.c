@@ -49,6 +49,7 @@ static void draw_colours(tz_rng *r, wood *k)
     for (int i = 0; i < 3; i++)
         k->gap[i] = 0.1f * k->base[i] + 0.004f;
     tz_canvas_base_colour(r, k->paint_colour);
+    tz_shape_part(k->paint_colour, k->base, 0.35);
     bool bright = k->base[0] + k->base[1] < 0.25f || tz_shape_chance(r, 0.2);
     tz_canvas_colour(r, iron, 0.2, 0.4, k->metal);
     for (int i = 0; i < 3; i++)
@@ -301,7 +302,7 @@ static void paint_face(tz_canvas *c, const wood *k, const wood_spot *p, int64_t 
         tone *= 1 - 0.55 * (1 - tz_shape_ramp(0.05, 0.09, (double)p->edge / k->wide));
     }
     if (p->slot == KNOT)
-        tone *= 0.5 + 0.25 * fabs((double)p->knot - 0.3);
+        tone *= 0.4 + 0.25 * fabs((double)p->knot - 0.3);
     else if ((double)p->knot < 3)
         tone *= 1 - 0.35 * exp(-3 * ((double)p->knot - 1));
     tz_shape_dim(c, i, tone);
@@ -329,7 +330,7 @@ static void crack(tz_canvas *c, const wood *k, const wood_spot *p, int64_t i)
         c->line[i] = 1;
 }
 
-static void paint(tz_canvas *c, const wood *k, const tz_shape_things *t,
+static void paint(tz_canvas *c, const wood *k, const tz_canvas_skin *skin,
                   const wood_spot *p, int64_t i)
 {
     int32_t id = c->segment[i];
@@ -340,8 +341,7 @@ static void paint(tz_canvas *c, const wood *k, const tz_shape_things *t,
                                0.5 * k->bevel * sqrt(fmax(0, e * (2 - e))) +
                                k->cup * v * v / (0.5 * k->wide));
     }
-    tz_canvas_skin_at(c, &t->v[id].skin, (int32_t)(i % c->width),
-                      (int32_t)(i / c->width));
+    tz_canvas_skin_at(c, skin, (int32_t)(i % c->width), (int32_t)(i / c->width));
     if (id == 0)
         return;
     if (p->slot == NAIL || p->slot == PAINT)
@@ -352,49 +352,46 @@ static void paint(tz_canvas *c, const wood *k, const tz_shape_things *t,
     tz_shape_joint(c, i, (double)p->edge, (double)p->half, k->gap, 0.95);
 }
 
-static void draw_skins(const wood *k, tz_shape_things *t)
+/* Drawn when a thing is first met. */
+static const tz_canvas_skin *skin_of(const wood *k, tz_shape_things *t, int32_t i)
 {
-    for (int32_t i = 0; i < t->n; i++) {
-        tz_shape_thing *v = &t->v[i];
-        int slot = i ? (i - 1) % SLOTS : -1;
-        v->element = i > 0 && slot != PAINT;
-        v->depth = i == 0 ? 0 : slot == BOARD ? 1 : 2;
-        if (v->seen == 0)
-            continue;
-        tz_rng r =
-            tz_rng_make(k->seed, tz_rng_stream(1, (uint64_t)(i ? (i - 1) / SLOTS : 0),
-                                               (uint64_t)(slot == PAINT)));
-        const float *base = i == 0          ? k->gap
-                            : slot == NAIL  ? k->metal
-                            : slot == PAINT ? k->paint_colour
-                                            : k->base;
-        float colour[3];
-        double spread = slot == PAINT ? 0.03 : k->spread; /* one pot of paint for all */
-        tz_canvas_colour(&r, base, spread, 0.7 * spread, colour);
-        tz_canvas_skin_draw(&r, colour, slot == BOARD ? k->wide : 12, k->loud, &v->skin);
-        v->skin.bump *= 0.4f;
-    }
+    tz_shape_thing *v = &t->v[i];
+    if (v->skin.seed != 0)
+        return &v->skin;
+    int slot = i ? (i - 1) % SLOTS : -1;
+    tz_rng r = tz_rng_make(k->seed, tz_rng_stream(1, (uint64_t)(i ? (i - 1) / SLOTS : 0),
+                                                  (uint64_t)(slot == PAINT)));
+    const float *base = i == 0          ? k->gap
+                        : slot == NAIL  ? k->metal
+                        : slot == PAINT ? k->paint_colour
+                                        : k->base;
+    float colour[3];
+    double spread = slot == PAINT ? 0.03 : k->spread; /* one pot of paint for all */
+    tz_canvas_colour(&r, base, spread, 0.7 * spread, colour);
+    tz_canvas_skin_draw(&r, colour, slot == BOARD ? k->wide : 12, k->loud, &v->skin);
+    v->skin.bump *= 0.4f;
+    v->element = i > 0 && slot != PAINT;
+    v->depth = i == 0 ? 0 : slot == BOARD ? 1 : 2;
+    return &v->skin;
 }
 
-static tz_status paint_all(tz_canvas *c, wood *k, wood_spot *p)
+static tz_status paint_all(tz_canvas *c, wood *k)
 {
     tz_shape_things t = {0};
     tz_status s = tz_shape_things_init(c, 1 + SLOTS * board_count(k), &t);
-    int64_t n = (int64_t)c->width * c->height;
-    for (int64_t i = 0; i < n && s == TZ_OK; i++) {
+    for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n && s == TZ_OK; i++) {
         int32_t x = (int32_t)(i % c->width), y = (int32_t)(i / c->width);
-        locate(k, x, y, &p[i]);
-        find_slot(k, x, y, &p[i]);
-        bool gap = p[i].log ? p[i].edge < 0 : p[i].half >= 4 && p[i].edge < p[i].half;
-        c->segment[i] = gap ? 0 : 1 + SLOTS * p[i].board + p[i].slot;
+        wood_spot p;
+        locate(k, x, y, &p);
+        find_slot(k, x, y, &p);
+        bool gap = p.log ? p.edge < 0 : p.half >= 4 && p.edge < p.half;
+        c->segment[i] = gap ? 0 : 1 + SLOTS * p.board + p.slot;
+        paint(c, k, skin_of(k, &t, c->segment[i]), &p, i);
     }
-    if (s != TZ_OK)
-        return s;
-    tz_shape_things_count(c, &t);
-    draw_skins(k, &t);
-    for (int64_t i = 0; i < n; i++)
-        paint(c, k, &t, &p[i], i);
-    s = tz_shape_things_commit(c, &t);
+    if (s == TZ_OK) {
+        tz_shape_things_count(c, &t);
+        s = tz_shape_things_commit(c, &t);
+    }
     tz_shape_things_deinit(c, &t);
     return s;
 }
@@ -402,14 +399,10 @@ static tz_status paint_all(tz_canvas *c, wood *k, wood_spot *p)
 tz_status tz_scene_WOOD(tz_canvas *c)
 {
     wood k = {0};
-    wood_spot *p = NULL;
     draw_parameters(c, &k);
     tz_status s = build(c, &k);
     if (s == TZ_OK)
-        s = tz_alloc(c->ctx, &p, (size_t)c->width * (size_t)c->height, sizeof *p);
-    if (s == TZ_OK)
-        s = paint_all(c, &k, p);
-    tz_free(c->ctx, p);
+        s = paint_all(c, &k);
     tz_shape_field_deinit(c, &k.peel);
     tz_shape_cells_deinit(c, &k.cells);
     tz_shape_bend_deinit(c, &k.bend);
