@@ -57,7 +57,7 @@ static void draw_parameters(tz_canvas *c, bark *k)
     tz_rng *r = &c->rng;
     k->seed = tz_rng_u64(r);
     double kind = tz_rng_unit(r);
-    k->smooth = kind > 0.82;
+    k->smooth = kind > 0.87;
     bool scaly = kind > 0.5 && !k->smooth;
     k->wide = scaly ? tz_shape_log_range(r, 36, 170) : tz_shape_log_range(r, 22, 110);
     k->tall = k->wide *
@@ -80,7 +80,7 @@ static void draw_parameters(tz_canvas *c, bark *k)
     k->lichen = tz_shape_chance(r, 0.45) ? tz_rng_range(r, 0.25, 0.6) : 2;
     k->lichen_size = tz_shape_log_range(r, 40, 160);
     k->moss = tz_shape_chance(r, 0.5) ? tz_rng_range(r, 0.2, 0.8) : 0;
-    k->mark_x = tz_shape_log_range(r, 40, 220);
+    k->mark_x = tz_shape_log_range(r, 60, 240);
     k->mark_ratio = tz_shape_log_range(r, 0.12, 0.5);
     k->mark_size = tz_rng_range(r, 0.12, 0.45);
     k->mark_y = k->mark_x * k->mark_ratio * tz_rng_range(r, 0.5, 2) + 12;

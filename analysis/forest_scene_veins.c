@@ -264,6 +264,7 @@ static void draw_net(tz_canvas *c, net *k)
     k->warp = k->pitch * tz_rng_range(r, 0.25, 0.8);
     k->half = tz_shape_chance(r, 0.35) ? tz_shape_log_range(r, 4, 16)
                                        : tz_shape_log_range(r, 0.9, 4);
+    k->half = fmin(k->half, 0.05 * k->pitch);
     for (int i = 0; i < 3; i++)
         k->fade[i] = tz_rng_range(r, -0.5, 0.4) + (i ? 0.3 : 0);
     k->halo = tz_shape_chance(r, 0.6) ? tz_rng_range(r, 0.1, 0.5) : 0;

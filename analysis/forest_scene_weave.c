@@ -89,7 +89,10 @@ static void draw_parameters(tz_canvas *c, weave *k)
     k->twist = tz_shape_chance(r, 0.5) ? 0.5 * tz_rng_normal(r) : 0;
     k->ply = tz_shape_chance(r, 0.3) ? tz_rng_range(r, 0.1, 0.4) : 0;
     k->dark = tz_rng_range(r, 0.3, 0.95);
-    k->slant = tz_rng_range(r, 0.3, 1.6);
+    /* strands lean less the thinner that would make them */
+    double lean = fmax(k->pitch[1] / 18, 1.05);
+    k->slant = fmin(tz_rng_range(r, 0.3, 1.6),
+                    0.5 * sqrt(lean * lean - 1) * k->pitch[0] / k->pitch[1]);
     k->mirror = tz_shape_chance(r, 0.6), k->vee = tz_shape_chance(r, 0.4);
     draw_colours(r, k);
 }
@@ -205,12 +208,11 @@ static weave_spot cloth_at(const weave *k, double x, double y)
     p[low].thing = floats ? thing_at(k, ni, nj, low) : 0;
     if (p[low].inside && floats)
         return p[low];
-    double slack = fmin(k->pitch[0] - 2 * k->half[0], k->pitch[1] - 2 * k->half[1]);
     weave_spot gap = p[p[top].edge > p[low].edge || !floats ? top : low];
-    if (p[low].inside)
+    if (p[low].inside) /* it lies deep under both its neighbours */
         gap = p[low], gap.thing = p[top].thing;
     gap.inside = p[low].inside;
-    if (slack >= 8 && !p[low].inside)
+    if (k->pitch[top] - 2 * k->half[top] >= 8)
         gap.thing = 0;
     return gap;
 }
