@@ -5,7 +5,8 @@
  *   scaly      plates little longer than wide, flaking in steps           (pine, plane)
  *   smooth     one skin with lenticels and scars across                   (birch, cherry)
  *
- * Over any of them lie lichens with a border of their own, and a breath of moss without. */
+ * Over any of them lie lichens with a border of their own, and a breath of moss that has
+ * none. */
 #include "analysis/forest_scene_shapes.h"
 
 typedef struct bark {
@@ -252,10 +253,10 @@ static tz_status paint_plates(tz_canvas *c, bark *k)
     return s;
 }
 
-/* ---- smooth bark -------------------------------------------------------------------------
+/* ---- smooth bark ----------------------------------------------------------------------
  *
- * A lenticel is a lens across the trunk, |v| < b (1 - (u / a)^2), one at most in each cell
- * of a lattice; lower than 8 px it is a line. */
+ * A lenticel is a lens across the trunk, |v| < b (1 - (u / a)^2), one at most in each
+ * cell of a lattice; lower than 8 px it is a line. */
 
 typedef struct mark {
     int32_t cell; /* -1 none */

@@ -124,7 +124,8 @@ void tz_leaf_draw(tz_rng *r, const tz_leaf_species *s, tz_vec2 middle, double an
     }
 }
 
-/* Where row y meets the rectangle -u0 <= u <= u1, |w| <= widest about the midrib's chord. */
+/* Where row y meets the rectangle -u0 <= u <= u1, |w| <= widest about the midrib's
+ * chord. */
 void tz_leaf_span(const tz_leaf *leaf, double y, double *x0, double *x1)
 {
     double dy = y - leaf->at.y,

@@ -104,7 +104,7 @@ static tz_status build(tz_canvas *c, mosaic *k)
     return s;
 }
 
-/* ---- layouts ------------------------------------------------------------------------------ */
+/* ---- layouts ----------------------------------------------------------------------- */
 
 static mosaic_spot square_at(const mosaic *k, double x, double y)
 {
@@ -185,7 +185,7 @@ static mosaic_spot locate(const mosaic *k, int32_t x, int32_t y)
     return p;
 }
 
-/* ---- chips --------------------------------------------------------------------------------- */
+/* ---- chips ------------------------------------------------------------------------- */
 
 typedef struct chip {
     tz_vec2 at;
@@ -262,7 +262,7 @@ static int32_t drop_chips(tz_canvas *c, mosaic *k, mosaic_spot *spots, int32_t m
     return n;
 }
 
-/* ---- paint --------------------------------------------------------------------------------- */
+/* ---- paint ------------------------------------------------------------------------- */
 
 /* Drawn when a piece is first met. */
 static const tz_canvas_skin *skin_of(const mosaic *k, tz_shape_things *t, int32_t i)

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* ---- small numbers, colour ------------------------------------------------------------ */
+/* ---- small numbers, colour --------------------------------------------------------- */
 
 /* Finalizer of splitmix64: cheap enough for once a pixel, where tz_rng is not. */
 static uint64_t mix64(uint64_t z)
@@ -87,7 +87,7 @@ void tz_shape_crack(tz_canvas *c, int64_t i, uint64_t seed, tz_vec2 q, tz_vec2 w
         c->line[i] = 1;
 }
 
-/* ---- things --------------------------------------------------------------------------- */
+/* ---- things ------------------------------------------------------------------------ */
 
 tz_status tz_shape_things_init(tz_canvas *c, int32_t n, tz_shape_things *t)
 {
@@ -133,7 +133,7 @@ tz_status tz_shape_things_commit(tz_canvas *c, const tz_shape_things *t)
     return s;
 }
 
-/* ---- bent planes ------------------------------------------------------------------------ */
+/* ---- bent planes ------------------------------------------------------------------- */
 
 enum { BEND_STEP = 4 };
 
@@ -220,7 +220,7 @@ tz_vec2 tz_shape_bend_at(const tz_shape_bend *b, double x, double y)
         a * (double)p[1] + bb * (double)p[3] + cc * (double)q[1] + dd * (double)q[3]};
 }
 
-/* ---- fields ----------------------------------------------------------------------------- */
+/* ---- fields ------------------------------------------------------------------------ */
 
 tz_status tz_shape_field_init(tz_canvas *c, uint64_t seed, double wave, int octaves,
                               tz_shape_field *f)
@@ -250,7 +250,7 @@ double tz_shape_field_at(const tz_shape_field *f, int32_t x, int32_t y)
                         v);
 }
 
-/* ---- cells ------------------------------------------------------------------------------ */
+/* ---- cells ------------------------------------------------------------------------- */
 
 static int32_t find(int32_t *root, int32_t i)
 {

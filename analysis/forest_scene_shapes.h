@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * More brushes of scenes: bent planes, lattices of cells, outlines, and the book-keeping of
- * pieces of which some may be hidden. Private to analysis/. Lengths are canvas pixels. */
+ * More brushes of scenes: bent planes, lattices of cells, cracks, and the book-keeping of
+ * pieces of which some may be hidden. Private to analysis/. Lengths: canvas pixels. */
 #ifndef TZ_ANALYSIS_FOREST_SCENE_SHAPES_H
 #define TZ_ANALYSIS_FOREST_SCENE_SHAPES_H
 
 #include "analysis/forest_scene_canvas.h"
 
-/* ---- small numbers ------------------------------------------------------------------ */
+/* ---- small numbers ----------------------------------------------------------------- */
 
 /** 0..1 named by the seed and two numbers, e.g. a row and a column. */
 double tz_shape_unit(uint64_t seed, int64_t a, int64_t b);
@@ -30,7 +30,7 @@ static inline double tz_shape_log_range(tz_rng *r, double lo, double hi)
 }
 static inline bool tz_shape_chance(tz_rng *r, double p) { return tz_rng_unit(r) < p; }
 
-/* ---- colour of one pixel -------------------------------------------------------------- */
+/* ---- colour of one pixel ----------------------------------------------------------- */
 
 /** Pulls the albedo at pixel i towards a colour by share 0..1. */
 void tz_shape_tint(tz_canvas *c, int64_t i, const float colour[3], double share);
@@ -42,17 +42,17 @@ void tz_shape_dim(tz_canvas *c, int64_t i, double factor);
 void tz_shape_joint(tz_canvas *c, int64_t i, double edge, double half,
                     const float colour[3], double share);
 
-/** Makes a colour lighter or darker, whichever is nearer, until its luminance differs from
- * that of `other` by the factor exp(least): what parts two pieces must part them in a grey
- * photo too. */
+/** Makes a colour lighter or darker, whichever is nearer, until its luminance differs
+ * from that of `other` by the factor exp(least): what parts two pieces must part them in
+ * a grey photo too. */
 void tz_shape_part(float colour[3], const float other[3], double least);
-/** A crack that comes and goes: a level set of noise at q, of wavelengths `wave`. Paints it at pixel i, and marks its middle as a line
- * where it can be seen.
+/** A crack that comes and goes: a level set of noise at q, of wavelengths `wave`. Paints
+ * it at pixel i, and marks its middle as a line where it can be seen.
  * @param open  0 shut .. 1 wide, changing slowly from pixel to pixel */
 void tz_shape_crack(tz_canvas *c, int64_t i, uint64_t seed, tz_vec2 q, tz_vec2 wave,
                     double open, const float colour[3]);
 
-/* ---- things: pieces that may turn out to be hidden ------------------------------------ */
+/* ---- things: pieces that may turn out to be hidden --------------------------------- */
 
 typedef struct tz_shape_thing {
     bool element;
@@ -75,7 +75,7 @@ void tz_shape_things_count(const tz_canvas *c, tz_shape_things *t);
 /** Makes pieces of the things that are seen and writes their ids to c->segment. */
 tz_status tz_shape_things_commit(tz_canvas *c, const tz_shape_things *t);
 
-/* ---- bent planes ---------------------------------------------------------------------- */
+/* ---- bent planes ------------------------------------------------------------------- */
 
 /** From the canvas to the plane of a pattern: turned, seen aslant, bent round a far
  * centre, then warped by noise. */
@@ -101,10 +101,10 @@ tz_status tz_shape_bend_init(tz_canvas *c, uint64_t seed, const tz_shape_bend_de
 void tz_shape_bend_deinit(tz_canvas *c, tz_shape_bend *b);
 tz_vec2 tz_shape_bend_at(const tz_shape_bend *b, double x, double y);
 
-/* ---- fields ----------------------------------------------------------------------------- */
+/* ---- fields ------------------------------------------------------------------------ */
 
-/** tz_canvas_fbm over the canvas, taken at every 4th pixel: for noise whose finest octave is
- * no finer than 16 px. */
+/** tz_canvas_fbm over the canvas, taken at every 4th pixel: for noise whose finest octave
+ * is no finer than 16 px. */
 typedef struct tz_shape_field {
     float *node;
     int32_t cols;
@@ -115,7 +115,7 @@ tz_status tz_shape_field_init(tz_canvas *c, uint64_t seed, double wave, int octa
 void tz_shape_field_deinit(tz_canvas *c, tz_shape_field *f);
 double tz_shape_field_at(const tz_shape_field *f, int32_t x, int32_t y);
 
-/* ---- cells ------------------------------------------------------------------------------ */
+/* ---- cells ------------------------------------------------------------------------- */
 
 /** Voronoi cells of a jittered lattice, stretched, some of them joined: outlines that are
  * not convex and sizes of 1 : 4. */

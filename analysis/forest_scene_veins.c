@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Polished rock without relief to speak of, of two sorts:
  *
- *   bands   onyx, agate: level sets of a warped height s(x, y). Band k lies between s_k and
- *           s_{k+1}; its borders are sharp, soft, or so soft (over 12 px) that they are no
- *           boundary and the bands on both sides one piece
- *   net     slate, marble: borders of warped cells and level sets of noise, along which a
- *           vein swells and fades. Over 8 px wide it is a piece, else a line, and where it
- *           has faded nothing */
+ *   bands   onyx, agate: level sets of a warped height s(x, y). Band k lies between s_k
+ *           and s_{k+1}; its borders are sharp, soft, or so soft (over 12 px) that they
+ *           are no boundary and the bands on both sides one piece
+ *   net     slate, marble: borders of warped cells and level sets of noise, along which
+ *           a vein swells and fades. Over 8 px wide it is a piece, else a line, and where
+ *           it has faded nothing */
 #include "analysis/forest_scene_shapes.h"
 
 enum { PALETTE = 5 };
@@ -29,7 +29,7 @@ static double contrast(const float a[3], const float b[3])
     return most;
 }
 
-/* ---- bands ----------------------------------------------------------------------------- */
+/* ---- bands ------------------------------------------------------------------------- */
 
 typedef struct band {
     float from, soft; /* lower border in s, and its width in px */
@@ -233,7 +233,7 @@ done:
     return status;
 }
 
-/* ---- net -------------------------------------------------------------------------------- */
+/* ---- net --------------------------------------------------------------------------- */
 
 typedef struct net {
     tz_shape_bend bend;

@@ -118,7 +118,7 @@ static tz_status build(tz_canvas *c, wood *k)
     return s;
 }
 
-/* ---- floors -------------------------------------------------------------------------------- */
+/* ---- floors ------------------------------------------------------------------------ */
 
 static double row_border(const wood *k, int32_t j)
 {
@@ -217,7 +217,7 @@ static int32_t board_count(const wood *k)
                            : k->cols * (k->rows + margin) + margin;
 }
 
-/* ---- faces --------------------------------------------------------------------------------- */
+/* ---- faces ------------------------------------------------------------------------- */
 
 /* One knot at most in each stretch of a board, well inside it. */
 static void find_knot(const wood *k, wood_spot *p)
