@@ -152,7 +152,8 @@ static mosaic_spot shard_at(const mosaic *k, double x, double y)
     if (k->course < 1e8) {
         double row = (y - k->bend.box.y) / k->course;
         double to = fmin(row - floor(row), 1 - row + floor(row)) * k->course;
-        p.thing = 1 + hit.root + (int32_t)floor(row) % 32 * k->cells.cols * k->cells.rows;
+        p.thing =
+            1 + hit.root + ((int32_t)floor(row) & 31) * k->cells.cols * k->cells.rows;
         p.edge = (float)fmin((double)p.edge, to);
     }
     return p;

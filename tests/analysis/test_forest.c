@@ -100,7 +100,7 @@ static void bad_models_are_refused(void **state)
         {"thresholds:", "threshold:", "thresholds"},
         {"edgeBoundaries: [ 0", "edgeBoundaries: [ 99", "rise"},
         {"edgeBoundaries: [ 0,", "edgeBoundaries: [", "length"},
-        {"edgeBoundaries: [ 0, 0", "edgeBoundaries: [ 0, 9", "rise"},
+        {"edgeBoundaries: [ 0, 0", "edgeBoundaries: [ 0, 99", "rise"},
         {"edgeBins: [ 8", "edgeBins: [ 256", "edgeBins"},
         {"edgeBins: [ 8", "edgeBins: [ -1", "edgeBins"},
         {"%YAML:1.0", "rubbish", ""},
