@@ -281,9 +281,8 @@ tz_status tz_scene_LEAVES(tz_canvas *c)
     for (int i = 0; i < k.kinds; i++)
         area += mean_area(&k.species[i]) / k.kinds;
     double margin = 0.8 * k.species[0].length;
-    k.n =
-        (int32_t)fmin(1200, k.cover * (c->width + margin) * (c->height + margin) / area) +
-        1;
+    double room = (c->width + margin) * (c->height + margin);
+    k.n = 1 + (int32_t)fmin(k.cover * room / area, fmin(20000, 500 + room / 700));
     tz_status s = tz_alloc_zero(c->ctx, &k.pose, (size_t)k.n, sizeof *k.pose);
     if (s == TZ_OK)
         s = tz_alloc_zero(c->ctx, &k.top, n, sizeof *k.top);

@@ -152,8 +152,9 @@ static mosaic_spot shard_at(const mosaic *k, double x, double y)
     if (k->course < 1e8) {
         double row = (y - k->bend.box.y) / k->course;
         double to = fmin(row - floor(row), 1 - row + floor(row)) * k->course;
+        /* no cell reaches into more than three courses */
         p.thing =
-            1 + hit.root + ((int32_t)floor(row) & 31) * k->cells.cols * k->cells.rows;
+            1 + hit.root + ((int32_t)floor(row) & 3) * k->cells.cols * k->cells.rows;
         p.edge = (float)fmin((double)p.edge, to);
     }
     return p;
@@ -164,7 +165,7 @@ static int32_t thing_count(const mosaic *k)
     switch (k->kind) {
     case SQUARES: return 2 + k->cols * k->rows;
     case TRIANGLES: return 2 + 4 * (k->cols + k->rows) * (2 * k->rows + 8);
-    case COURSES: return 2 + 32 * k->cells.cols * k->cells.rows;
+    case COURSES: return 2 + 4 * k->cells.cols * k->cells.rows;
     default: return 2 + k->cells.cols * k->cells.rows;
     }
 }
