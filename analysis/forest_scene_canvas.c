@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Brushes of the scenes: noise, colours, skins, lines. Points and cells are in
- * forest_scene_cells.c. */
+/* Brushes of the scenes: colours, skins, lines. Noise is in forest_scene_noise.c, points
+ * and cells are in forest_scene_cells.c. */
 #include "analysis/forest_scene_canvas.h"
+
+#include "analysis/forest_scene_noise.h"
 
 tz_status tz_canvas_add_piece(tz_canvas *c, bool element, int32_t depth, int32_t *id)
 {
@@ -10,96 +12,6 @@ tz_status tz_canvas_add_piece(tz_canvas *c, bool element, int32_t depth, int32_t
     if (s == TZ_OK)
         *id = c->piece.n - 1;
     return s;
-}
-
-/* ---- noise --------------------------------------------------------------------------
- *
- * Each lattice point holds a value and a slope; between them the four straight lines that
- * leave the corners are blended:
- *
- *   n(x) = sum_k blend_k(x) (v_k + g_k . (x - corner_k)),  |v| <= 1/2, |g_k . d| <= 1/2
- *
- * Slopes alone (Perlin) would vanish at every corner, at all octaves in the same places;
- * values alone look like blurred squares. Scenes ask for some ten of these a pixel: the
- * corners come from an integer hash of two products. */
-
-/* 32 slopes: eight directions of four steepnesses, longest 0.7071 / 1.4143. */
-#define SLOPES(s)                                                                     \
-    {s, 0}, {0.7071f * s, 0.7071f * s}, {0, s}, {-0.7071f * s, 0.7071f * s}, {-s, 0}, \
-        {-0.7071f * s, -0.7071f * s}, {0, -s},                                        \
-    {                                                                                 \
-        0.7071f * s, -0.7071f * s                                                     \
-    }
-static const float slope[32][2] = {SLOPES(0.5f), SLOPES(0.44f), SLOPES(0.36f),
-                                   SLOPES(0.25f)};
-
-static inline uint32_t lattice(uint32_t seed, int32_t i, int32_t j)
-{
-    uint32_t h = seed + (uint32_t)i * 0x9E3779B1u + (uint32_t)j * 0x85EBCA77u;
-    h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
-    h = (h ^ (h >> 12)) * 0x297A2D39u;
-    return h ^ (h >> 15);
-}
-
-static inline float corner(uint32_t seed, int32_t i, int32_t j, float u, float v)
-{
-    const uint32_t h = lattice(seed, i, j);
-    const float *g = slope[h & 31];
-    return (float)(int32_t)(h & 0xFFFF00u) * (1.0f / 16777216) - 0.5f + g[0] * u +
-           g[1] * v;
-}
-
-static inline float fade(float t) { return t * t * (3 - 2 * t); }
-
-static inline int32_t below(double x)
-{
-    const int32_t i = (int32_t)x;
-    return i - (x < i);
-}
-
-static inline float noise(uint32_t seed, double x, double y)
-{
-    const int32_t i = below(x), j = below(y);
-    const float u = (float)(x - i), v = (float)(y - j), fu = fade(u), fv = fade(v);
-    const float a = corner(seed, i, j, u, v), b = corner(seed, i + 1, j, u - 1, v);
-    const float c = corner(seed, i, j + 1, u, v - 1);
-    const float d = corner(seed, i + 1, j + 1, u - 1, v - 1);
-    const float top = a + fu * (b - a), low = c + fu * (d - c);
-    const float n = 1.45f * (top + fv * (low - top)); /* the blend has shrunk it */
-    return n > 1 ? 1 : n < -1 ? -1 : n;
-}
-
-static inline uint32_t fold(uint64_t seed)
-{
-    const uint64_t z = (seed ^ (seed >> 29)) * 0xBF58476D1CE4E5B9u;
-    return (uint32_t)(z >> 32);
-}
-
-/* Coordinates beyond the integers of a lattice only come from broken sizes. */
-static inline double sane(double x) { return x > -1e9 && x < 1e9 ? x : 0; }
-
-float tz_canvas_noise(uint64_t seed, double x, double y)
-{
-    return noise(fold(seed), sane(x), sane(y));
-}
-
-static inline float fbm(uint32_t seed, double x, double y, int octaves, float gain)
-{
-    float sum = 0, weight = 1, total = 0;
-    for (int o = 0; o < octaves; o++) {
-        sum += weight * noise(seed + (uint32_t)o * 0x632BE5ABu, x, y);
-        total += weight;
-        weight *= gain;
-        x = 2 * x + 0.37; /* lattices of two octaves share no corners */
-        y = 2 * y + 0.61;
-    }
-    return sum / total * (1 + 0.25f * (float)(octaves > 1)); /* sums seldom reach 1 */
-}
-
-float tz_canvas_fbm(uint64_t seed, double x, double y, int octaves, double gain)
-{
-    const int most = octaves < 1 ? 1 : octaves > 12 ? 12 : octaves;
-    return fbm(fold(seed), sane(x), sane(y), most, (float)gain);
 }
 
 /* ---- colours ------------------------------------------------------------------------ */
@@ -172,53 +84,63 @@ void tz_canvas_skin_draw(tz_rng *r, const float base[3], double size, double rou
     skin->bump = (float)(rough * spread(r, 0.15, 1.6));
 }
 
-/* Two halves of a stain: blurred clouds, or patches with a border of their own. Which of
- * them, and how the stain is tinted, follows from the seed. */
-static float stain_at(const tz_canvas_skin *skin, uint32_t seed, double x, double y)
+enum { STAIN, STREAK, GRAIN, SPECK };
+
+/* Along a streak the pattern goes on seven times as long as it is wide. */
+static void ask(const tz_canvas_skin *skin, uint32_t seed, double x, double y, float n[4])
 {
-    const float n = fbm(seed + 11, x / skin->stain_size, y / skin->stain_size, 3, 0.55f);
+    const double wide = 1 / skin->stain_size;
+    const double fine = 1 / (skin->grain_size < 1 ? 1 : skin->grain_size);
+    const double speck = fine / (0.8 + fine);
+    const tz_noise_skin at = {x * wide,
+                              y * wide,
+                              x * skin->streak_x + y * skin->streak_y,
+                              (y * skin->streak_x - x * skin->streak_y) / 7,
+                              x * fine,
+                              y * fine,
+                              x * speck,
+                              y * speck};
+    tz_noise_of_skin(seed, &at, n);
+}
+
+/* Stains are blurred clouds, or patches with a border of their own. Which of them, and
+ * how they are tinted, follows from the seed. */
+static float stain_of(const tz_canvas_skin *skin, float n)
+{
     if ((skin->seed >> 8) & 1)
         return n;
     const float t = within(n * 3.5, -1, 1);
     return 0.6f * t * (1.5f - 0.5f * t * t) + 0.4f * n;
 }
 
-/* Along a streak the pattern goes on seven times as long as it is wide. */
-static float streak_at(const tz_canvas_skin *skin, uint32_t seed, double x, double y)
+static float speckle_of(const tz_canvas_skin *skin, float n)
 {
-    const double across = x * skin->streak_x + y * skin->streak_y;
-    const double along = (y * skin->streak_x - x * skin->streak_y) / 7;
-    return fbm(seed + 37, across, along, 2, 0.6f);
-}
-
-static float speckle_at(const tz_canvas_skin *skin, uint32_t seed, double x, double y)
-{
-    const double size = 0.8 * skin->grain_size + 1;
-    const float n = noise(seed + 53, x / size, y / size);
     const float level = 0.75f - 1.5f * (float)skin->speckle_share;
     const float t = within((n - level) * 8, 0, 1);
     return (skin->seed >> 9) & 1 ? t : -t; /* bright ones or dark ones */
 }
 
+/* One number a pixel, 0..1: what is finer than all lattices. */
+static float dust_at(uint32_t seed, int32_t x, int32_t y)
+{
+    uint32_t h = seed + (uint32_t)x * 0x9E3779B1u + (uint32_t)y * 0x85EBCA77u;
+    h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
+    h = (h ^ (h >> 12)) * 0x297A2D39u;
+    return (float)(h >> 8) * 0x1p-24f;
+}
+
 void tz_canvas_skin_at(tz_canvas *c, const tz_canvas_skin *skin, int32_t x, int32_t y)
 {
     const int64_t plane = (int64_t)c->width * c->height, p = (int64_t)y * c->width + x;
-    const uint32_t seed = fold(skin->seed);
-    const double px = x + 0.5, py = y + 0.5;
-    float tone = 0, tint = 0;
-    if (skin->stain > 0)
-        tint = skin->stain * stain_at(skin, seed, px, py);
-    if (skin->grain > 0 || skin->bump > 0) {
-        const double size = skin->grain_size < 1 ? 1 : skin->grain_size;
-        const float n = fbm(seed + 71, px / size, py / size, 2, 0.7f);
-        const float own = (float)(lattice(seed, x, y) >> 8) * 0x1p-24f - 0.5f;
-        tone += skin->grain * (0.8f * n + 0.4f * own);
-        c->relief[p] += skin->bump * n;
-    }
-    if (skin->streak > 0)
-        tone += skin->streak * streak_at(skin, seed, px, py);
-    if (skin->speckle > 0)
-        tone += skin->speckle * speckle_at(skin, seed, px, py);
+    const uint32_t seed = tz_noise_seed(skin->seed);
+    float n[4];
+    ask(skin, seed, x + 0.5, y + 0.5, n);
+    const float dust = dust_at(seed, x, y) - 0.5f;
+    const float tone = skin->grain * (0.8f * n[GRAIN] + 0.4f * dust) +
+                       skin->streak * n[STREAK] +
+                       skin->speckle * speckle_of(skin, n[SPECK]);
+    const float tint = skin->stain * stain_of(skin, n[STAIN]);
+    c->relief[p] += skin->bump * n[GRAIN];
     /* products of contrast: a stain may darken to a fifth, never below nothing */
     const float shade = tone < 0 ? 1 / (1 - tone) : 1 + tone;
     for (int k = 0; k < 3; k++) {
@@ -261,8 +183,8 @@ void tz_canvas_line(tz_canvas *c, const tz_vec2 *p, int32_t n)
         const int32_t steps = (int32_t)ceil(fmax(fabs(b.x - a.x), fabs(b.y - a.y)));
         for (int32_t k = 0; k <= steps; k++) {
             const double t = steps ? (double)k / steps : 0;
-            const int32_t x = below(a.x + t * (b.x - a.x));
-            const int32_t y = below(a.y + t * (b.y - a.y));
+            const int32_t x = (int32_t)floor(a.x + t * (b.x - a.x));
+            const int32_t y = (int32_t)floor(a.y + t * (b.y - a.y));
             if (x >= 0 && y >= 0 && x < c->width && y < c->height)
                 c->line[(int64_t)y * c->width + x] = 1;
         }

@@ -9,6 +9,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "analysis/forest_scene_noise.h"
 #include "base/grid.h"
 
 enum { BLOCK = 8, NEAR = 14 };
@@ -202,15 +203,17 @@ static void fill_block(tz_canvas *c, cells *s, const tz_vec2 *at, tz_rect b,
 /* Warped places of a block's pixels on the plane of the points. */
 static void place_block(const tz_rock_plane *plane, tz_rect b, tz_vec2 *at)
 {
+    const uint32_t seed = tz_noise_seed(plane->seed);
+    const int octaves = plane->octaves > 4 ? 4 : plane->octaves;
     for (int32_t i = 0; i < b.w * b.h; i++) {
         const double u = b.x + i % b.w + 0.5, v = b.y + i / b.w + 0.5;
         const double su = u / plane->warp_size, sv = v / plane->warp_size;
         tz_vec2 q = {u, v};
         if (plane->warp > 0) {
-            q.x += plane->warp *
-                   tz_canvas_fbm(plane->seed, su, sv, plane->octaves, plane->gain);
-            q.y += plane->warp *
-                   tz_canvas_fbm(plane->seed + 1, su, sv, plane->octaves, plane->gain);
+            float n[2];
+            tz_noise_pair(seed, seed + 1, su, sv, octaves, (float)plane->gain, n);
+            q.x += plane->warp * n[0];
+            q.y += plane->warp * n[1];
         }
         at[i] = tz_affine_apply(plane->map, q);
     }

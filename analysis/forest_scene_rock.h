@@ -35,7 +35,7 @@ void tz_rock_weather(tz_canvas *c, tz_rng *r, double size, const float *depth);
 typedef struct tz_rock_plane {
     tz_affine map;
     double warp, warp_size;
-    int octaves;
+    int octaves; /**< 4 at most */
     double gain;
     uint64_t seed;
 } tz_rock_plane;
