@@ -89,6 +89,21 @@ static void draw_parameters(tz_canvas *c, bark *k)
     draw_colours(r, k);
 }
 
+/* Sideways noise whose patterns are longer than wide, so that plates snake along the
+ * trunk: its coarse octaves, taken once at the nodes of the bent plane. */
+static void warp_nodes(bark *k)
+{
+    double w = 1.6 * k->wide;
+    for (int32_t i = 0; i < k->bend.cols * k->bend.rows; i++) {
+        float *q = k->bend.node + 2 * (int64_t)i;
+        double x = (double)q[0], y = (double)q[1];
+        double side = (double)tz_canvas_fbm(k->seed + 5, x / w, y / (2.2 * w), 2, 0.6);
+        double up = (double)tz_canvas_noise(k->seed + 7, x / (0.5 * w), y / w);
+        q[0] += (float)(0.8 * k->warp * side);
+        q[1] += (float)(0.35 * k->warp * up);
+    }
+}
+
 static tz_status build(tz_canvas *c, bark *k)
 {
     tz_rng *r = &c->rng;
@@ -105,6 +120,8 @@ static tz_status build(tz_canvas *c, bark *k)
     tz_rect box = k->bend.box;
     int32_t grow = (int32_t)(2 * k->warp) + 20;
     box = (tz_rect){box.x - grow, box.y - 3 * grow, box.w + 2 * grow, box.h + 6 * grow};
+    if (s == TZ_OK && !k->smooth)
+        warp_nodes(k);
     if (s == TZ_OK)
         s = tz_shape_cells_init(c, k->seed + 2, box, &def, &k->cells);
     if (s == TZ_OK)
@@ -114,16 +131,14 @@ static tz_status build(tz_canvas *c, bark *k)
     return s;
 }
 
-/* Sideways noise whose patterns are longer than wide, so that plates snake along the
- * trunk; the finest of it frays their borders. */
+/* The fine octaves, which fray the borders of plates. */
 static tz_vec2 warp_at(const bark *k, tz_vec2 q)
 {
-    double w = 1.6 * k->wide, f = 7;
-    double broad = (double)tz_canvas_fbm(k->seed + 5, q.x / w, q.y / (2.2 * w), 4, 0.6);
+    double w = 0.4 * k->wide, f = 7;
+    double side = (double)tz_canvas_fbm(k->seed + 20, q.x / w, q.y / (1.8 * w), 2, 0.6);
     double fine = (double)tz_canvas_fbm(k->seed + 6, q.x / f, q.y / (2 * f), 2, 0.7);
-    double up = (double)tz_canvas_fbm(k->seed + 7, q.x / (0.5 * w), q.y / w, 2, 0.6);
-    return (tz_vec2){q.x + k->warp * broad + k->rough * fine,
-                     q.y + 0.5 * k->warp * up + k->rough * fine};
+    return (tz_vec2){q.x + 0.35 * k->warp * side + k->rough * fine,
+                     q.y + 0.15 * k->warp * side + k->rough * fine};
 }
 
 typedef struct spot {
@@ -161,7 +176,7 @@ static void paint_plate(tz_canvas *c, const bark *k, const spot *p, int64_t i)
                                      p->q.y / (6 * k->grain_size), 3, 0.7);
     double wf = 0.4 * k->wide;
     double face =
-        (double)tz_canvas_fbm(k->seed + 18, p->q.x / wf, p->q.y / (1.6 * wf), 4, 0.6);
+        (double)tz_canvas_fbm(k->seed + 18, p->q.x / wf, p->q.y / (1.6 * wf), 3, 0.6);
     double cross = 0, crack = 0, step = 0;
     if (k->cross > 0 || k->flake > 0)
         cross = (double)tz_canvas_fbm(k->seed + 12, p->q.x / 30, p->q.y / 6, 2, 0.6);

@@ -157,7 +157,8 @@ static bool scale_at(const scales *k, int32_t i, int32_t j, double x, double y,
     return f < 0;
 }
 
-static scale_spot locate(const scales *k, tz_vec2 v)
+/* Counts the pixel for every scale that it lies on, seen or not. */
+static scale_spot locate(const scales *k, tz_shape_things *t, tz_vec2 v)
 {
     double w = k->rough_size;
     double x =
@@ -165,6 +166,7 @@ static scale_spot locate(const scales *k, tz_vec2 v)
     double y =
         v.y + k->rough * (double)tz_canvas_fbm(k->seed + 6, v.x / w, v.y / w, 2, 0.6);
     int32_t row = (int32_t)floor(y / k->pitch);
+    scale_spot top = {0};
     for (int32_t j = row - k->above; j <= row; j++) {
         if (j < k->first_row || j - k->first_row >= k->rows)
             continue;
@@ -176,13 +178,14 @@ static scale_spot locate(const scales *k, tz_vec2 v)
             if (m >= k->first_col && m - k->first_col + 1 < k->cols &&
                 scale_at(k, m, j, x, y, &p)) {
                 double order = (double)k->own[p.thing - 1].order;
+                t->v[p.thing].whole++;
                 if (order > highest)
                     highest = order, best = p;
             }
-        if (highest >= 0)
-            return best;
+        if (top.thing == 0)
+            top = best;
     }
-    return (scale_spot){0};
+    return top;
 }
 
 static void paint(tz_canvas *c, const scales *k, const tz_canvas_skin *skin,
@@ -239,7 +242,7 @@ tz_status tz_scene_SCALES(tz_canvas *c)
     for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n && s == TZ_OK; i++) {
         tz_vec2 q = tz_shape_bend_at(&k.bend, (double)(i % c->width) + 0.5,
                                      (double)(i / c->width) + 0.5);
-        scale_spot p = locate(&k, q);
+        scale_spot p = locate(&k, &t, q);
         c->segment[i] = p.thing;
         paint(c, &k, skin_of(&k, &t, p.thing), &p, q, i);
     }
