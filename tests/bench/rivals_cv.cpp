@@ -29,11 +29,15 @@ double rung(int k, double low, double high)
     return low * std::pow(high / low, (double)k / (RUNGS - 1));
 }
 
+cv::Mat rgb_of(const rival_photo *photo)
+{
+    return cv::Mat(photo->height, photo->width, CV_32FC3, photo->rgb);
+}
+
 cv::Mat grey_of(const rival_photo *photo)
 {
-    const cv::Mat rgb(photo->height, photo->width, CV_32FC3, photo->rgb);
     cv::Mat grey;
-    cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
+    cv::cvtColor(rgb_of(photo), grey, cv::COLOR_RGB2GRAY);
     return grey;
 }
 
@@ -53,14 +57,15 @@ double climb(const std::function<cv::Mat(int)> &edges_at, cv::Mat &strength)
 
 } // namespace
 
-tz_status rival_canny(tz_ctx *ctx, const rival_photo *photo, double sigma,
+tz_status rival_canny(tz_ctx *ctx, const rival_photo *photo, double sigma, bool colour,
                       float *strength, double *seconds)
 {
     return tz_guard(ctx, "canny", [&]() -> tz_status {
         cv::Mat out(photo->height, photo->width, CV_32F, strength), soft, dx, dy;
         const double start = now();
         /* 16 steps of a byte's one; what is lost at the largest gradients saturates */
-        cv::GaussianBlur(grey_of(photo), soft, cv::Size(), sigma);
+        cv::GaussianBlur(colour ? rgb_of(photo) : grey_of(photo), soft, cv::Size(),
+                         sigma);
         cv::Sobel(soft, dx, CV_32F, 1, 0, 3, 16 * 255);
         cv::Sobel(soft, dy, CV_32F, 0, 1, 3, 16 * 255);
         dx.convertTo(dx, CV_16S);
@@ -113,10 +118,9 @@ tz_status rival_forest(tz_ctx *ctx, const rival_photo *photo, const char *model,
         auto &forest = known[model];
         if (!forest)
             forest = cv::ximgproc::createStructuredEdgeDetection(model);
-        const cv::Mat rgb(photo->height, photo->width, CV_32FC3, photo->rgb);
         cv::Mat edges, out(photo->height, photo->width, CV_32F, response);
         const double start = now();
-        forest->detectEdges(rgb, edges);
+        forest->detectEdges(rgb_of(photo), edges);
         *seconds = now() - start;
         edges.copyTo(out);
         return TZ_OK;

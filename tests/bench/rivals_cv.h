@@ -19,9 +19,10 @@ typedef struct rival_photo {
     int32_t width, height;
 } rival_photo;
 
-/** Canny on grey, blurred before by a Gaussian; low threshold 0.4 of the high one. The
- * gradient is computed on floats, which keeps more of faint edges than Canny on bytes. */
-tz_status rival_canny(tz_ctx *ctx, const rival_photo *photo, double sigma,
+/** Canny, blurred before by a Gaussian; low threshold 0.4 of the high one. The gradient is
+ * computed on floats, which keeps more of faint edges than Canny on bytes.
+ * @param colour  the channel with the largest gradient counts; else grey */
+tz_status rival_canny(tz_ctx *ctx, const rival_photo *photo, double sigma, bool colour,
                       float *strength, double *seconds);
 
 /** EdgeDrawing on grey. @param op  0 Prewitt, 1 Sobel, 2 Scharr */
