@@ -10,7 +10,7 @@
 #include "analysis/forest_scene_masonry.h"
 
 enum bond { ROWS, HERRINGBONE, BASKET };
-enum { ROW_MOST = 1200, CUT_MOST = 600, LATTICE = 2048 };
+enum { ROW_MOST = 4000, CUT_MOST = 4000, LATTICE = 1 << 14 };
 
 typedef struct rectangle {
     double x0, y0, x1, y1;
@@ -54,7 +54,7 @@ static void draw_bond(tz_rng *r, plan *m)
         m->stacked = ashlar && tz_scene_chance(r, 0.6);
     }
     if (sett && tz_scene_chance(r, 0.35)) {
-        m->fan = tz_rng_range(r, 0.6, 1.6);
+        m->fan = tz_rng_range(r, 0.3, 0.9);
         m->fan_wide = tz_rng_range(r, 7, 14);
     }
     m->ragged = (ashlar || sett ? 0.16 : 0.05) * tz_rng_unit(r);
@@ -74,7 +74,7 @@ static void draw_plan(tz_rng *r, const tz_canvas *c, plan *m)
     k->seed = tz_rng_u64(r);
     const double most = tz_scene_clamp(side * 0.5 / sqrt(m->long_side), 24, 280);
     k->size = tz_scene_spread(r, 22, most);
-    k->gap = tz_scene_chance(r, 0.6);
+    k->gap = k->size > 30 && tz_scene_chance(r, 0.65);
     k->joint =
         k->gap ? 8 + k->size * tz_scene_spread(r, 0.02, 0.25) : tz_scene_spread(r, 1, 7);
     k->joint_vary = tz_rng_range(r, 0, 0.6);

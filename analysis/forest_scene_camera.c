@@ -22,8 +22,8 @@ static void draw_colour(tz_rng *r, lens *l)
     l->gain[0] = (float)exp(warm), l->gain[1] = (float)exp(green);
     l->gain[2] = (float)exp(-warm);
     l->saturation = tz_scene_chance(r, 0.2) ? 0 : tz_rng_range(r, 0.35, 1.15);
-    l->contrast = tz_scene_chance(r, 0.15) ? tz_scene_spread(r, 0.2, 0.5)
-                                           : tz_scene_spread(r, 0.55, 1.6);
+    l->contrast = tz_scene_chance(r, 0.11) ? tz_scene_spread(r, 0.2, 0.5)
+                                           : tz_scene_spread(r, 0.5, 1.35);
     l->lift = 0.06 * tz_rng_normal(r);
     l->shoulder = tz_scene_chance(r, 0.5) ? tz_rng_range(r, 0.1, 0.6) : 0;
     l->grey = 0.2 * exp(0.45 * tz_rng_normal(r));
@@ -37,8 +37,8 @@ static lens draw_lens(const tz_canvas *c, tz_scene_camera camera)
     if (camera == TZ_SCENE_CLEAN)
         return l;
     draw_colour(&r, &l);
-    if (tz_scene_chance(&r, 0.6))
-        l.blur = tz_scene_spread(&r, 0.3, tz_scene_chance(&r, 0.3) ? 2.4 : 1.1);
+    if (tz_scene_chance(&r, 0.5))
+        l.blur = tz_scene_spread(&r, 0.25, tz_scene_chance(&r, 0.3) ? 2.2 : 0.8);
     if (tz_scene_chance(&r, 0.08)) {
         const double way = tz_rng_range(&r, 0, TZ_PI);
         l.shake = tz_scene_spread(&r, 1.5, 6);
@@ -51,7 +51,7 @@ static lens draw_lens(const tz_canvas *c, tz_scene_camera camera)
         l.noise_blur = tz_scene_chance(&r, 0.5) ? tz_rng_range(&r, 0.4, 1.1) : 0;
         l.noise_colour = tz_rng_range(&r, 0.2, 1);
     }
-    if (tz_scene_chance(&r, 0.4)) {
+    if (tz_scene_chance(&r, 0.5)) {
         l.sharpen = tz_scene_spread(&r, 0.2, 1.6);
         l.sharpen_size = tz_scene_spread(&r, 0.6, 2.2);
     }

@@ -70,7 +70,7 @@ void tz_canvas_skin_draw(tz_rng *r, const float base[3], double size, double rou
         skin->colour[k] = base[k];
     skin->stain = (float)(rough * tz_rng_range(r, 0.1, 0.8));
     skin->stain_size = room * tz_rng_range(r, 0.15, 0.7);
-    skin->grain = (float)(rough * tz_rng_range(r, 0.1, 0.7));
+    skin->grain = (float)(rough * tz_rng_range(r, 0.2, 1));
     skin->grain_size = spread(r, 2, room / 4 < 3 ? 3 : room / 4 > 14 ? 14 : room / 4);
     if (tz_rng_unit(r) < 0.5) {
         skin->speckle = (float)(rough * tz_rng_range(r, 0.2, 1));
@@ -81,7 +81,7 @@ void tz_canvas_skin_draw(tz_rng *r, const float base[3], double size, double rou
         skin->streak = (float)(rough * tz_rng_range(r, 0.1, 0.6));
     skin->streak_x = cos(angle) / wave;
     skin->streak_y = sin(angle) / wave;
-    skin->bump = (float)(rough * spread(r, 0.15, 1.6));
+    skin->bump = (float)(rough * spread(r, 0.2, 2));
 }
 
 enum { STAIN, STREAK, GRAIN, SPECK };
@@ -136,7 +136,7 @@ void tz_canvas_skin_at(tz_canvas *c, const tz_canvas_skin *skin, int32_t x, int3
     float n[4];
     ask(skin, seed, x + 0.5, y + 0.5, n);
     const float dust = dust_at(seed, x, y) - 0.5f;
-    const float tone = skin->grain * (0.8f * n[GRAIN] + 0.4f * dust) +
+    const float tone = skin->grain * (0.8f * n[GRAIN] + 0.8f * dust) +
                        skin->streak * n[STREAK] +
                        skin->speckle * speckle_of(skin, n[SPECK]);
     const float tint = skin->stain * stain_of(skin, n[STAIN]);

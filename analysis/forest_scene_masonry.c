@@ -40,22 +40,36 @@ void tz_masonry_map_deinit(tz_canvas *c, tz_masonry_map *w)
     *w = (tz_masonry_map){0};
 }
 
-/* What is nearer to the border than half the joint's width, which wavers, goes; then what
- * lies within the corner's radius of the rest comes back. */
+/* Half the joint's width here, which wavers; where fill creeps over the pieces, more. */
+static double cut_at(const tz_masonry *m, double x, double y)
+{
+    const double long_wave = m->size * 0.8, short_wave = fmax(m->size * 0.12, 5);
+    const double wide =
+        tz_canvas_noise(m->seed + 5, x / long_wave, y / long_wave) * m->joint_vary;
+    const double rough =
+        tz_canvas_fbm(m->seed + 6, x / short_wave, y / short_wave, 3, 0.6);
+    double cut = m->joint / 2 * (1 + wide + 0.25 * rough);
+    if (m->overgrown > 0) {
+        const double wave = m->size * 2.2;
+        const double creep = tz_canvas_fbm(m->seed + 8, x / wave, y / wave, 3, 0.5);
+        const double reach = m->overgrown * m->size * tz_scene_ramp(creep, -0.1, 0.7);
+        cut += reach * fmax(0, 0.5 + 0.3 * rough);
+    }
+    return cut;
+}
+
+/* What is nearer to the border than that goes; then what lies within the corner's radius
+ * of the rest comes back. */
 tz_status tz_masonry_cut(tz_canvas *c, const tz_masonry *m, tz_masonry_map *w)
 {
     const int64_t n = (int64_t)c->width * c->height;
-    const double long_wave = m->size * 0.8, short_wave = fmax(m->size * 0.12, 5);
+    const double most = 1.2 * m->joint + m->corner + m->overgrown * m->size;
     tz_status s = tz_rock_depth(c, w->id, w->depth);
     for (int64_t p = 0; s == TZ_OK && p < n; p++) {
-        if (w->depth[p] > 2 * (m->joint + m->corner))
+        if (w->depth[p] > most)
             continue;
         const double x = (double)(p % c->width), y = (double)(p / c->width);
-        const double wide =
-            tz_canvas_noise(m->seed + 5, x / long_wave, y / long_wave) * m->joint_vary;
-        const double rough = tz_canvas_noise(m->seed + 6, x / short_wave, y / short_wave);
-        const double cut = m->joint / 2 * (1 + wide + 0.25 * rough) + m->corner;
-        if (w->depth[p] < cut)
+        if (w->depth[p] < cut_at(m, x, y) + m->corner)
             w->id[p] = ~w->id[p]; /* remembers whose it was */
     }
     if (s == TZ_OK && m->corner > 1) {
@@ -102,7 +116,7 @@ static float height_at(const tz_masonry *m, const tz_masonry_map *w, double x, d
         d += m->chip * tz_canvas_fbm(own, x / m->chip_size, y / m->chip_size, 2, 0.6);
     const double t = 1 - tz_scene_clamp(d / m->shoulder, 0, 1);
     const double bump =
-        tz_canvas_fbm(own + 1, x / m->bump_size, y / m->bump_size, 3, 0.5);
+        tz_canvas_fbm(own + 1, x / m->bump_size, y / m->bump_size, 4, 0.6);
     double h = m->height * sqrt(1 - t * t) + part(own, 2) * m->level + m->bump * bump +
                tz_scene_clamp(lean, -m->size * 0.1, m->size * 0.1);
     if (m->crease > 0) {

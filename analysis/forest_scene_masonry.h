@@ -13,6 +13,7 @@ typedef struct tz_masonry {
     double size;
     bool gap;                 /**< joints are a piece; else pieces touch */
     double joint, joint_vary; /**< width, px, and the share of it that wavers */
+    double overgrown;         /**< how far the fill creeps over pieces here and there */
     double corner;            /**< radius to which joints round corners, px */
     double shoulder, height;  /**< of the profile along the border, px */
     double chip, chip_size;   /**< how far the profile's start wavers */

@@ -133,16 +133,16 @@ CORE void pair_of(uint32_t seed, uint32_t other, double x, double y, float *out)
 CORE void skin_of(uint32_t seed, const tz_noise_skin *at, float *out)
 {
     const double u[LANES] = {at->stain_x,
-                             2 * at->stain_x + 0.37,
-                             4 * at->stain_x + 1.11,
+                             3 * at->stain_x + 0.37,
+                             9 * at->stain_x + 1.11,
                              at->streak_x,
                              2 * at->streak_x + 0.37,
                              at->grain_x,
                              2 * at->grain_x + 0.37,
                              at->speck_x};
     const double v[LANES] = {at->stain_y,
-                             2 * at->stain_y + 0.61,
-                             4 * at->stain_y + 1.83,
+                             3 * at->stain_y + 0.61,
+                             9 * at->stain_y + 1.83,
                              at->streak_y,
                              2 * at->streak_y + 0.61,
                              at->grain_y,
@@ -233,7 +233,7 @@ void tz_noise_of_skin(uint32_t seed, const tz_noise_skin *at, float out[4])
 {
     float n[LANES];
     (wide() ? skin_wide : skin_plain)(seed, at, n);
-    out[0] = (n[0] + 0.55f * n[1] + 0.3f * n[2]) * (1.25f / 1.85f);
+    out[0] = (n[0] + 0.7f * n[1] + 0.5f * n[2]) * (1.25f / 2.2f);
     out[1] = (n[3] + 0.6f * n[4]) * (1.25f / 1.6f);
     out[2] = (n[5] + 0.7f * n[6]) * (1.25f / 1.7f);
     out[3] = n[7];

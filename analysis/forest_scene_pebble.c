@@ -162,7 +162,7 @@ tz_status tz_pebble_lay(tz_canvas *c, const tz_pebble_bed *bed, tz_vec2 at, doub
             if (bed->pressed && h < c->relief[p])
                 continue;
             h += (float)(bed->bump * bed->size) *
-                 tz_canvas_fbm(q.seed, x / wave, y / wave, 2, 0.5);
+                 tz_canvas_fbm(q.seed, x / wave, y / wave, 4, 0.6);
             c->segment[p] = id;
             c->relief[p] = h;
         }

@@ -18,7 +18,7 @@ void tz_rock_family_draw(tz_rng *r, double size, tz_rock_family *f)
         for (int i = 0; i < 3; i++)
             f->base[k][i] = f->base[0][i] + share * (other[i] - f->base[0][i]);
     }
-    f->lightness = tz_scene_chance(r, 0.25) ? 0.03 : tz_rng_range(r, 0.05, 0.65);
+    f->lightness = tz_scene_chance(r, 0.25) ? 0.03 : tz_rng_range(r, 0.05, 0.5);
     f->hue = tz_rng_range(r, 0, 0.5);
     f->rough = tz_rng_range(r, 0.3, 1.25);
     f->alike = tz_scene_chance(r, 0.6);

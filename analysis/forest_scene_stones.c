@@ -31,11 +31,14 @@ static void draw_plan(tz_rng *r, const tz_canvas *c, plan *m)
     m->joined = tz_scene_chance(r, 0.3);
     m->weighted = !m->joined && tz_scene_chance(r, 0.6);
     m->spread = tz_rng_range(r, 0.3, 1.1);
-    k->gap = tz_scene_chance(r, 0.5);
-    k->joint =
-        k->gap ? 8 + k->size * tz_scene_spread(r, 0.02, 0.22) : tz_scene_spread(r, 1, 7);
-    k->joint_vary = tz_rng_range(r, 0, 0.9);
-    k->corner = k->gap ? k->size * tz_rng_range(r, 0, 0.16) : 0;
+    k->gap = k->size > 44 && tz_scene_chance(r, 0.55);
+    k->joint = k->gap ? 8 + k->size * tz_scene_spread(r, 0.01, m->joined ? 0.06 : 0.18)
+                      : tz_scene_spread(r, 1, 7);
+    k->joint_vary = tz_rng_range(r, 0, k->gap ? 0.6 : 0.9);
+    k->corner =
+        k->gap ? fmin(k->size * tz_rng_range(r, 0, 0.16), 0.25 * k->size - k->joint / 2)
+               : 0;
+    k->overgrown = k->gap && tz_scene_chance(r, 0.2) ? tz_rng_range(r, 0.2, 0.9) : 0;
     tz_masonry_draw(r, k);
 }
 
