@@ -17,7 +17,6 @@ typedef struct stone {
     float nx[FACETS], ny[FACETS], off[FACETS], slope[FACETS]; /* broken */
     int32_t facets;
     float top, top_x, top_y;
-    uint64_t seed;
 } stone;
 
 void tz_pebble_bed_draw(tz_rng *r, double size, tz_pebble_bed *bed)
@@ -102,7 +101,7 @@ static stone draw_stone(const tz_pebble_bed *bed, tz_vec2 at, uint64_t number)
     const double ratio = sqrt(tz_rng_range(&r, 1, bed->longish));
     const double a = bed->size / 2 * wide * ratio, b = bed->size / 2 * wide / ratio;
     const double angle = tz_rng_range(&r, 0, 2 * TZ_PI);
-    stone q = {.at = at, .cx = cos(angle), .cy = sin(angle), .seed = tz_rng_u64(&r)};
+    stone q = {.at = at, .cx = cos(angle), .cy = sin(angle)};
     q.height = b * bed->flat * (1 + bed->flat_vary * tz_rng_range(&r, -1, 1));
     if (bed->broken)
         draw_broken(&r, a, b, &q);
@@ -139,7 +138,6 @@ tz_status tz_pebble_lay(tz_canvas *c, const tz_pebble_bed *bed, tz_vec2 at, doub
                         int32_t depth, uint64_t number)
 {
     const stone q = draw_stone(bed, at, number);
-    const double wave = bed->size * 0.3;
     int32_t id;
     const tz_status s = tz_canvas_add_piece(c, true, depth, &id);
     if (s != TZ_OK)
@@ -157,12 +155,10 @@ tz_status tz_pebble_lay(tz_canvas *c, const tz_pebble_bed *bed, tz_vec2 at, doub
             if (own < 0)
                 continue;
             const int64_t p = (int64_t)y * c->width + x;
-            float h = (float)base + own;
+            const float h = (float)base + own;
             whole++;
             if (bed->pressed && h < c->relief[p])
                 continue;
-            h += (float)(bed->bump * bed->size) *
-                 tz_canvas_fbm(q.seed, x / wave, y / wave, 4, 0.6);
             c->segment[p] = id;
             c->relief[p] = h;
         }
@@ -172,6 +168,8 @@ tz_status tz_pebble_lay(tz_canvas *c, const tz_pebble_bed *bed, tz_vec2 at, doub
 
 tz_status tz_pebble_paint(tz_canvas *c, const tz_pebble_bed *bed, int32_t first)
 {
+    const double wave = bed->size * 0.3;
+    const float bump = (float)(bed->bump * bed->size);
     tz_canvas_skin *skin = NULL;
     const int32_t n = c->piece.n - first;
     const tz_status s = tz_alloc(c->ctx, &skin, (size_t)n, sizeof *skin);
@@ -182,8 +180,12 @@ tz_status tz_pebble_paint(tz_canvas *c, const tz_pebble_bed *bed, int32_t first)
     for (int32_t y = 0; y < c->height; y++)
         for (int32_t x = 0; x < c->width; x++) {
             const int32_t id = c->segment[(int64_t)y * c->width + x];
-            if (id >= first)
-                tz_canvas_skin_at(c, &skin[id - first], x, y);
+            if (id < first)
+                continue;
+            const uint64_t own = skin[id - first].seed + 5;
+            c->relief[(int64_t)y * c->width + x] +=
+                bump * tz_canvas_fbm(own, x / wave, y / wave, 4, 0.6);
+            tz_canvas_skin_at(c, &skin[id - first], x, y);
         }
     tz_free(c->ctx, skin);
     return TZ_OK;
