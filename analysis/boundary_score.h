@@ -5,8 +5,9 @@
  * and AP.
  * @source Martin, Fowlkes, Malik: Learning to detect natural image boundaries using local
  * brightness, color, and texture cues, PAMI 2004; Arbelaez, Maire, Fowlkes, Malik, PAMI
- * 2011. Deviates: the matching is the largest one (Hopcroft-Karp) instead of the cheapest;
- * with the published cost of an outlier both match the same number of pixels. */
+ * 2011. Deviates: the matching is the largest one (Hopcroft-Karp) instead of the
+ * cheapest; with the published cost of an outlier both match the same number of pixels.
+ * The truth is thinned as well, so that what equals it scores 1. */
 #ifndef TZ_ANALYSIS_BOUNDARY_SCORE_H
 #define TZ_ANALYSIS_BOUNDARY_SCORE_H
 
@@ -23,16 +24,17 @@ typedef struct tz_boundary_counts {
 } tz_boundary_counts;
 
 typedef struct tz_boundary_score {
-    double ods; /**< best F over thresholds of the summed counts */
+    double ods; /**< best F over thresholds, interpolated, of the summed counts */
     double ods_threshold, ods_precision, ods_recall;
     double ois; /**< F of the sums where each picture takes its own best threshold */
-    double ap;  /**< area under precision over recall, 0..1 */
+    double ap;  /**< area under precision over recall, 0..1; below the lowest recall
+                     reached the precision is the one there */
 } tz_boundary_score;
 
 /** Matches one picture at every threshold. At each threshold the detector's pixels are
  * those of `strength` at or above it, thinned to curves one pixel wide.
- * @param strength   width * height, 0..1: ridges after non-maximum suppression (0 off them)
- * @param truth      width * height, 1 on true boundaries, one pixel wide
+ * @param strength   width * height, 0..1: ridges after non-maximum suppression, else 0
+ * @param truth      width * height, not 0 on true boundaries
  * @param tolerance  of the diagonal; 0.0075 is usual
  * @return TZ_OK; TZ_NOMEM; TZ_CANCELLED  @cost levels * pixels * log */
 TZ_API tz_status tz_boundary_match(tz_ctx *ctx, const float *strength,
@@ -51,8 +53,8 @@ TZ_API tz_status tz_boundary_thin(tz_ctx *ctx, const float *response, int32_t wi
                                   int32_t height, float *strength);
 
 /** Direction across the ridges of a response, as tz_boundary_thin takes it.
- * @param[out] normal  planes of width * height: cos, sin of twice the angle; 1, 0 where the
- *                     response is flat */
+ * @param[out] normal  planes of width * height: cos, sin of twice the angle; 1, 0 where
+ *                     the response is flat */
 TZ_API tz_status tz_boundary_normals(tz_ctx *ctx, const float *response, int32_t width,
                                      int32_t height, float *normal);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Responses to ridges, and masks to skeletons.
  *
- * Ridge: the response, smoothed by a triangle of radius 4, bends most across the boundary,
- * downwards on the ridge and upwards at its foot: along the eigenvector of the eigenvalue
- * that is larger in magnitude, hence of the trace's sign, of
+ * Ridge: the response, smoothed by a triangle of radius 4, bends most across the
+ * boundary, downwards on the ridge and upwards at its foot: along the eigenvector of the
+ * eigenvalue that is larger in magnitude, hence of the trace's sign, of
  *
- *     ( Oxx  Oxy )                1
- *     ( Oxy  Oyy )     angle  =   - atan2(2 Oxy, Oxx - Oyy)  + 90 degrees if Oxx + Oyy < 0
- *                                 2
+ *     ( Oxx  Oxy )              1
+ *     ( Oxy  Oyy )     angle =  - atan2(2 Oxy, Oxx - Oyy), + 90 degrees if Oxx + Oyy < 0
+ *                               2
  * A pixel stays if it is no more than a hundredth weaker than the response one pixel away
  * on both sides along that axis: plateaus two pixels wide survive and are left to the
  * skeleton.

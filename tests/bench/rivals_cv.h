@@ -19,8 +19,8 @@ typedef struct rival_photo {
     int32_t width, height;
 } rival_photo;
 
-/** Canny, blurred before by a Gaussian; low threshold 0.4 of the high one. The gradient is
- * computed on floats, which keeps more of faint edges than Canny on bytes.
+/** Canny, blurred before by a Gaussian; low threshold 0.4 of the high one. The gradient
+ * is computed on floats, which keeps more of faint edges than Canny on bytes.
  * @param colour  the channel with the largest gradient counts; else grey */
 tz_status rival_canny(tz_ctx *ctx, const rival_photo *photo, double sigma, bool colour,
                       float *strength, double *seconds);
