@@ -99,7 +99,7 @@ tz_status tz_scene_blur(tz_ctx *ctx, float *plane, int32_t width, int32_t height
     if (s == TZ_OK)
         s = tz_alloc(ctx, &sum, (size_t)width, sizeof *sum);
     if (s == TZ_OK && sigma < 3) {
-        float tap[TAPS + 1];
+        float tap[TAPS + 1] = {0};
         const int32_t r = kernel(sigma, tap);
         gauss_rows(plane, width, height, tap, r, row);
         gauss_columns(plane, width, height, tap, r, copy);

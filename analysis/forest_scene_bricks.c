@@ -89,7 +89,7 @@ static void draw_plan(tz_rng *r, const tz_canvas *c, plan *m)
     k->shoulder = fmin(k->shoulder, k->size * 0.4);
 }
 
-/* ---- bonds -------------------------------------------------------------------------- */
+/* ---- bonds ------------------------------------------------------------------------- */
 
 static void lay_rows(const plan *m, double from, double to, rows *w)
 {
@@ -174,7 +174,7 @@ static rectangle in_basket(double x, double y)
                        (double)j + (lying ? 1 : 2), i * LATTICE + j};
 }
 
-/* ---- one pixel ---------------------------------------------------------------------- */
+/* ---- one pixel --------------------------------------------------------------------- */
 
 static tz_vec2 on_plane(const tz_canvas *c, const plan *m, double px, double py)
 {
@@ -218,7 +218,7 @@ static double worn(const plan *m, const rectangle *q, tz_vec2 p)
     return -d;
 }
 
-/* ---- all of them -------------------------------------------------------------------- */
+/* ---- all of them ------------------------------------------------------------------- */
 
 /* Bricks in order of appearance: an open-addressing table from key to number. */
 typedef struct census {

@@ -62,7 +62,7 @@ static lens draw_lens(const tz_canvas *c, tz_scene_camera camera)
     return l;
 }
 
-/* ---- optics ------------------------------------------------------------------------- */
+/* ---- optics ------------------------------------------------------------------------ */
 
 typedef struct film {
     tz_ctx *ctx;
@@ -123,7 +123,7 @@ static void expose(film *f, const lens *l)
             f->v[k * f->n + p] *= (float)(scale * l->gain[k]);
 }
 
-/* ---- noise -------------------------------------------------------------------------- */
+/* ---- noise ------------------------------------------------------------------------- */
 
 /* About normal, variance 1: four bytes pairs of a hash added up. */
 static float normal_at(uint32_t seed, uint32_t i)
@@ -166,7 +166,7 @@ static tz_status add_noise(film *f, const lens *l)
     return TZ_OK;
 }
 
-/* ---- tone --------------------------------------------------------------------------- */
+/* ---- tone -------------------------------------------------------------------------- */
 
 static float encoded(float v) { return v <= 0 ? 0 : tz_srgb_encode(v > 4 ? 4 : v); }
 

@@ -14,7 +14,7 @@ tz_status tz_canvas_add_piece(tz_canvas *c, bool element, int32_t depth, int32_t
     return s;
 }
 
-/* ---- colours ------------------------------------------------------------------------ */
+/* ---- colours ----------------------------------------------------------------------- */
 
 static float within(double x, double lo, double hi)
 {
@@ -54,7 +54,7 @@ void tz_canvas_base_colour(tz_rng *r, float out[3])
     tz_canvas_colour(r, family[tz_rng_below(r, FAMILIES)], 0.4, 0.35, out);
 }
 
-/* ---- skins -------------------------------------------------------------------------- */
+/* ---- skins ------------------------------------------------------------------------- */
 
 static double spread(tz_rng *r, double lo, double hi) /* evenly in the logarithm */
 {
@@ -150,7 +150,7 @@ void tz_canvas_skin_at(tz_canvas *c, const tz_canvas_skin *skin, int32_t x, int3
     }
 }
 
-/* ---- lines -------------------------------------------------------------------------- */
+/* ---- lines ------------------------------------------------------------------------- */
 
 /* Part of p + t (q - p) in 0..1 that lies over the canvas and 2 px around it. */
 static bool clip(const tz_canvas *c, tz_vec2 p, tz_vec2 q, double *t0, double *t1)

@@ -49,7 +49,7 @@ tz_status tz_canvas_points(tz_canvas *c, tz_rng *r, double gap, double margin,
                           (tz_vec2){c->width + margin, c->height + margin}, out, n);
 }
 
-/* ---- cells -------------------------------------------------------------------------- */
+/* ---- cells ------------------------------------------------------------------------- */
 
 typedef struct near_point {
     float x, y, w2;
@@ -128,7 +128,7 @@ static void gather(cells *s, double x, double y, double reach)
             }
 }
 
-/* The second lowest power that some pixel within `half` of the middle may have at most. */
+/* The second lowest power that a pixel within `half` of the middle may have at most. */
 static double second_power(const cells *s, double half)
 {
     double low[2] = {DBL_MAX, DBL_MAX};

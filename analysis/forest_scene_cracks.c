@@ -77,7 +77,7 @@ static void draw_plan(tz_rng *r, const tz_canvas *c, plan *m)
         m->filler.colour[k] = m->family.skin.colour[k] * dark;
 }
 
-/* ---- growth ------------------------------------------------------------------------- */
+/* ---- growth ------------------------------------------------------------------------ */
 
 static int32_t owner_at(const tz_canvas *c, const work *w, tz_vec2 p)
 {
@@ -164,7 +164,7 @@ static tz_status walk(tz_canvas *c, const plan *m, work *w, tip t, bool *met)
     return s;
 }
 
-/* ---- from path to planes ------------------------------------------------------------ */
+/* ---- from path to planes ----------------------------------------------------------- */
 
 static void stamp(tz_canvas *c, work *w, tz_vec2 at, double wide)
 {
@@ -268,7 +268,7 @@ static tz_status crack(tz_canvas *c, tz_rng *r, const plan *m, work *w)
     return s;
 }
 
-/* ---- pieces ------------------------------------------------------------------------- */
+/* ---- pieces ------------------------------------------------------------------------ */
 
 /* Fills the part around p that neither cracks nor lines cut off. */
 static int64_t flood(tz_canvas *c, const work *w, int64_t p, int32_t id, int64_t *queue)
@@ -338,14 +338,15 @@ static tz_status find_plates(tz_canvas *c, const plan *m, work *w)
     return s;
 }
 
-/* ---- painting ----------------------------------------------------------------------- */
+/* ---- painting ---------------------------------------------------------------------- */
 
 static float surface_at(const plan *m, double x, double y)
 {
     const double u = x / m->bump_size, v = y / m->bump_size;
     double h = m->bump * tz_canvas_fbm(m->seed + 1, u, v, 4, 0.55);
     if (m->crease > 0)
-        h -= m->crease * (1 - fabs(tz_canvas_fbm(m->seed + 2, u, 2 * v, 2, 0.5)) * 3);
+        h -= m->crease *
+             (1 - fabs((double)tz_canvas_fbm(m->seed + 2, u, 2 * v, 2, 0.5)) * 3);
     return (float)h;
 }
 

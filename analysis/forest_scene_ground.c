@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Ground: moss, sand, concrete (noise), grit and leather (fine cells), grass and fibres
  * (strokes). None of what is in them is a boundary: whoever learns from these pictures
- * learns what to keep quiet about. At most two grounds meet, or a few stones lie about. */
+ * learns where to keep quiet. At most two grounds meet, or a few stones lie about. */
 #include "analysis/forest_scene_ground.h"
 
 #include "analysis/forest_scene_pebbles.h"
@@ -91,7 +91,7 @@ static tz_status add_cells(tz_canvas *c, tz_rng *r, double size, const soil *g,
     return s;
 }
 
-/* ---- strokes ------------------------------------------------------------------------ */
+/* ---- strokes ----------------------------------------------------------------------- */
 
 typedef struct stroke {
     tz_vec2 at;
@@ -166,7 +166,7 @@ tz_status tz_ground_paint(tz_canvas *c, tz_rng *r, double size, const uint8_t *w
     return kind == STROKES ? add_strokes(c, r, grain, &g, where, value) : TZ_OK;
 }
 
-/* ---- the scene ---------------------------------------------------------------------- */
+/* ---- the scene --------------------------------------------------------------------- */
 
 /* Another ground where noise is high, or beyond a wavy line. */
 static void part_ground(tz_canvas *c, tz_rng *r, uint8_t *beyond)

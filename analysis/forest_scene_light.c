@@ -75,7 +75,7 @@ static lamp draw_lamp(const tz_canvas *c, tz_scene_camera camera)
     return l;
 }
 
-/* ---- occlusion and shadow ----------------------------------------------------------- */
+/* ---- occlusion and shadow ---------------------------------------------------------- */
 
 /* Multiplies `open` by what a relief below its surroundings still sees of the sky. */
 static tz_status occlude(tz_canvas *c, double sigma, double strength, float *open,
@@ -141,7 +141,7 @@ static float foreign_at(const lamp *l, double x, double y)
     return (float)lit;
 }
 
-/* ---- shading ------------------------------------------------------------------------ */
+/* ---- shading ----------------------------------------------------------------------- */
 
 static inline float bounded(float x, float most)
 {

@@ -83,7 +83,7 @@ tz_status tz_masonry_cut(tz_canvas *c, const tz_masonry *m, tz_masonry_map *w)
     return s;
 }
 
-/* ---- painting ----------------------------------------------------------------------- */
+/* ---- painting ---------------------------------------------------------------------- */
 
 static tz_status name_pieces(tz_canvas *c, const tz_masonry *m, const tz_masonry_map *w,
                              int32_t *joint)
@@ -121,7 +121,8 @@ static float height_at(const tz_masonry *m, const tz_masonry_map *w, double x, d
                tz_scene_clamp(lean, -m->size * 0.1, m->size * 0.1);
     if (m->crease > 0) {
         const double size = m->bump_size * 1.3;
-        h -= m->crease * (1 - fabs(tz_canvas_noise(own + 2, x / size, y / size)) * 3);
+        h -= m->crease *
+             (1 - fabs((double)tz_canvas_noise(own + 2, x / size, y / size)) * 3);
     }
     return (float)h;
 }

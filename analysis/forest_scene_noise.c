@@ -156,7 +156,7 @@ CORE void skin_of(uint32_t seed, const tz_noise_skin *at, float *out)
     eval(LANES, s, u, v, out);
 }
 
-/* ---- copies for wide vectors --------------------------------------------------------- */
+/* ---- copies for wide vectors ------------------------------------------------------- */
 
 #if defined(__x86_64__)
 WIDE static void four_wide(uint32_t seed, double x, double y, float *out)
@@ -201,7 +201,7 @@ static void skin_plain(uint32_t seed, const tz_noise_skin *at, float *out)
     skin_of(seed, at, out);
 }
 
-/* ---- what others call ---------------------------------------------------------------- */
+/* ---- what others call -------------------------------------------------------------- */
 
 uint32_t tz_noise_seed(uint64_t seed)
 {

@@ -34,7 +34,7 @@ void tz_pebble_bed_draw(tz_rng *r, double size, tz_pebble_bed *bed)
     tz_rock_family_draw(r, size, &bed->family);
 }
 
-/* ---- shape -------------------------------------------------------------------------- */
+/* ---- shape ------------------------------------------------------------------------- */
 
 /* 0..4 once around; rises with the angle. */
 static inline float pseudo_angle(float x, float y)
@@ -132,7 +132,7 @@ static float height_at(const stone *q, float x, float y)
     return (float)q->height * sqrtf(1 - fall);
 }
 
-/* ---- laying ------------------------------------------------------------------------- */
+/* ---- laying ------------------------------------------------------------------------ */
 
 tz_status tz_pebble_lay(tz_canvas *c, const tz_pebble_bed *bed, tz_vec2 at, double base,
                         int32_t depth, uint64_t number)

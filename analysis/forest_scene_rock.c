@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* ---- looks -------------------------------------------------------------------------- */
+/* ---- looks ------------------------------------------------------------------------- */
 
 void tz_rock_family_draw(tz_rng *r, double size, tz_rock_family *f)
 {
@@ -139,7 +139,7 @@ tz_status tz_rock_depth(tz_canvas *c, const int32_t *id, float *depth)
     return s;
 }
 
-/* ---- weather ------------------------------------------------------------------------ */
+/* ---- weather ----------------------------------------------------------------------- */
 
 typedef struct coat {
     uint64_t seed;

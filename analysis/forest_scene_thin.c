@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Thinning: pixels are taken off the four sides in turn as long as that neither breaks a
  * curve nor shortens it. Candidates are those of one side at the start of a turn; whether
- * one may go is asked when its turn comes, so curves two pixels wide keep one of the two. */
+ * one may go is asked when its turn comes, so curves two pixels wide keep one of them. */
 #include "analysis/forest_scene_stage.h"
 
 enum { ANCHOR = 2, ANCHOR_RUN = 6 };
 
 /* Neighbours, clockwise from the upper left; bit k of a neighbourhood is neighbour k. */
-static const int8_t next_x[8] = {-1, 0, 1, 1, 1, 0, -1, -1};
-static const int8_t next_y[8] = {-1, -1, -1, 0, 1, 1, 1, 0};
+static const int32_t next_x[8] = {-1, 0, 1, 1, 1, 0, -1, -1};
+static const int32_t next_y[8] = {-1, -1, -1, 0, 1, 1, 1, 0};
 
 static unsigned neighbourhood(const uint8_t *mask, int32_t w, int32_t h, int64_t p)
 {

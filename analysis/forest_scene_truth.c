@@ -32,7 +32,7 @@ static void majority(const tz_canvas *c, int32_t width, int32_t height, int32_t 
         }
 }
 
-/* ---- specks ------------------------------------------------------------------------- */
+/* ---- specks ------------------------------------------------------------------------ */
 
 typedef struct plane {
     int32_t *v, width, height;
@@ -116,7 +116,7 @@ static void absorb_specks(plane *m)
     }
 }
 
-/* ---- pieces ------------------------------------------------------------------------- */
+/* ---- pieces ------------------------------------------------------------------------ */
 
 static void grow_box(tz_rect *b, int32_t x, int32_t y)
 {
@@ -168,7 +168,7 @@ static tz_status count_pieces(const tz_canvas *c, plane *m, tz_scene *scene)
     return TZ_OK;
 }
 
-/* ---- boundary ----------------------------------------------------------------------- */
+/* ---- boundary ---------------------------------------------------------------------- */
 
 /* Where a disc 4 px wide fits into one segment, that place is wide. */
 static void mark_wide(const plane *m, const tz_scene *scene, uint8_t *wide)

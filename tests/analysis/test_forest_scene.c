@@ -14,7 +14,7 @@ static tz_scene render(tz_ctx *ctx, tz_scene_kind kind, tz_scene_camera camera, 
     return s;
 }
 
-/* ---- contract ----------------------------------------------------------------------- */
+/* ---- contract ---------------------------------------------------------------------- */
 
 static void check_photo(const tz_scene *s, int32_t w, int32_t h)
 {
@@ -133,7 +133,7 @@ static void scenes_show_something(void **state)
     end_ctx(ctx);
 }
 
-/* ---- the same bytes ----------------------------------------------------------------- */
+/* ---- the same bytes ---------------------------------------------------------------- */
 
 enum { SIDE = 64, JOBS = 2 * TZ_SCENE_COUNT };
 
@@ -186,7 +186,7 @@ static void seeds_differ(void **state)
     end_ctx(ctx);
 }
 
-/* ---- failures ----------------------------------------------------------------------- */
+/* ---- failures ---------------------------------------------------------------------- */
 
 static void bad_sizes_are_refused(void **state)
 {
@@ -240,7 +240,7 @@ static void scenes_survive_lack_of_memory(void **state)
         survive(render_small, 1);
 }
 
-/* ---- thinning ----------------------------------------------------------------------- */
+/* ---- thinning ---------------------------------------------------------------------- */
 
 static int32_t parts(const uint8_t *m, int32_t w, int32_t h)
 {
