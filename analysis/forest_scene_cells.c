@@ -63,7 +63,7 @@ typedef struct cells {
     double side, left, top, heaviest;
     int32_t *first, *item; /* points of bucket b: item[first[b]..first[b + 1] - 1] */
     near_point *near;      /* gathered for the block */
-    int32_t nears;
+    int32_t nears, owners; /* the first of them may own a pixel of the block */
 } cells;
 
 static int32_t bucket(const cells *s, tz_vec2 p)
@@ -128,10 +128,10 @@ static void gather(cells *s, double x, double y, double reach)
             }
 }
 
-/* The second lowest power that a pixel within `half` of the middle may have at most. */
-static double second_power(const cells *s, double half)
+/* The two lowest powers that a pixel within `half` of the middle may have at most. */
+static void low_powers(const cells *s, double half, double low[2])
 {
-    double low[2] = {DBL_MAX, DBL_MAX};
+    low[0] = low[1] = DBL_MAX;
     for (int32_t k = 0; k < s->nears; k++) {
         const near_point *q = &s->near[k];
         const double d = sqrt((double)q->x * q->x + (double)q->y * q->y) + half;
@@ -141,7 +141,21 @@ static double second_power(const cells *s, double half)
         else if (power < low[1])
             low[1] = power;
     }
-    return low[1];
+}
+
+/* Moves those to the front whose least power is not above the most that one has. */
+static void owners_first(cells *s, double half, double most)
+{
+    s->owners = 0;
+    for (int32_t k = 0; k < s->nears; k++) {
+        const near_point q = s->near[k];
+        const double d = sqrt((double)q.x * q.x + (double)q.y * q.y) - half;
+        const double power = (d > 0 ? d * d : 0) - q.w2;
+        if (power > most + 1e-3 * fabs(most))
+            continue;
+        s->near[k] = s->near[s->owners];
+        s->near[s->owners++] = q;
+    }
 }
 
 /* Everything that may own a pixel of the block, and enough others to know the borders. */
@@ -150,13 +164,15 @@ static void gather_block(cells *s, double x, double y, double half)
     const double all = 4 * (s->side * (s->nx + s->ny) + fabs(x) + fabs(y) +
                             fabs(s->left) + fabs(s->top));
     for (double reach = 2.2 * s->side + half;; reach *= 1.35) {
-        gather(s, x, y, reach);
-        if (reach > all)
-            return;
         const double beyond = reach - half;
-        if (s->nears >= NEAR &&
-            beyond * beyond - s->heaviest * s->heaviest > second_power(s, half))
+        double low[2];
+        gather(s, x, y, reach);
+        low_powers(s, half, low);
+        if (reach > all ||
+            (s->nears >= NEAR && beyond * beyond - s->heaviest * s->heaviest > low[1])) {
+            owners_first(s, half, low[0]);
             return;
+        }
     }
 }
 
@@ -166,21 +182,22 @@ static int32_t own_at(const cells *s, float x, float y, float *edge)
 {
     int32_t own = 0;
     float best = FLT_MAX, least = FLT_MAX;
-    for (int32_t k = 0; k < s->nears; k++) {
+    for (int32_t k = 0; k < s->owners; k++) {
         const near_point *q = &s->near[k];
         const float dx = q->x - x, dy = q->y - y, power = dx * dx + dy * dy - q->w2;
         if (power < best || (power <= best && q->id < s->near[own].id))
             best = power, own = k;
     }
     const near_point *o = &s->near[own];
-    for (int32_t k = 0; k < s->nears; k++) {
+    for (int32_t k = 0; edge && k < s->nears; k++) {
         const near_point *q = &s->near[k];
         const float dx = q->x - x, dy = q->y - y, ox = q->x - o->x, oy = q->y - o->y;
         const float gain = dx * dx + dy * dy - q->w2 - best, apart2 = ox * ox + oy * oy;
         if (k != own && gain * gain < least * least * 4 * apart2)
             least = gain / (2 * sqrtf(apart2));
     }
-    *edge = least < 1e6f ? least : 1e6f;
+    if (edge)
+        *edge = least < 1e6f ? least : 1e6f;
     return o->id;
 }
 
@@ -196,7 +213,8 @@ static void fill_block(tz_canvas *c, cells *s, const tz_vec2 *at, tz_rect b,
     gather_block(s, mx, my, sqrt((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)) / 2);
     for (int32_t i = 0; i < b.w * b.h; i++) {
         const int64_t p = (int64_t)(b.y + i / b.w) * c->width + b.x + i % b.w;
-        nearest[p] = own_at(s, (float)(at[i].x - mx), (float)(at[i].y - my), &edge[p]);
+        nearest[p] = own_at(s, (float)(at[i].x - mx), (float)(at[i].y - my),
+                            edge ? &edge[p] : NULL);
     }
 }
 

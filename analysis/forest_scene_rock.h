@@ -42,7 +42,7 @@ typedef struct tz_rock_plane {
 /** tz_canvas_points over any rectangle. */
 tz_status tz_rock_points(tz_canvas *c, tz_rng *r, double gap, tz_vec2 from, tz_vec2 to,
                          tz_vec2 **out, int32_t *n);
-/** tz_canvas_cells on any plane; `edge` is in units of that plane. */
+/** tz_canvas_cells on any plane; `edge` is in units of that plane, or NULL. */
 tz_status tz_rock_cells(tz_canvas *c, const tz_rock_plane *plane, const tz_vec2 *p,
                         const double *weight, int32_t n, int32_t *nearest, float *edge);
 /** The box of the canvas seen through a map, `margin` px larger on all sides. */

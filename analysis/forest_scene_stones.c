@@ -127,7 +127,7 @@ static tz_status find_cells(tz_canvas *c, const plan *m, tz_affine map, const wo
                                  .seed = m->masonry.seed};
     const int64_t n = (int64_t)c->width * c->height;
     const tz_status s = tz_rock_cells(c, &plane, w->point, m->weighted ? w->weight : NULL,
-                                      w->points, out->id, out->depth);
+                                      w->points, out->id, NULL);
     for (int64_t p = 0; s == TZ_OK && p < n; p++)
         out->id[p] = w->stone_of[out->id[p]];
     return s;
