@@ -324,7 +324,9 @@ tz_status tz_scene_MOSAIC(tz_canvas *c)
         mosaic_spot p =
             chips ? chips[i]
                   : locate(&k, (int32_t)(i % c->width), (int32_t)(i / c->width));
-        c->segment[i] = p.half >= 4 && p.edge < p.half ? 0 : p.thing;
+        /* a joint, or beyond a tile that is turned or small; narrow ones become lines */
+        const bool joint = (p.half >= 4 && p.edge < p.half) || p.edge <= 0;
+        c->segment[i] = joint && (k.kind == SQUARES || p.half >= 4) ? 0 : p.thing;
         paint(c, &k, skin_of(&k, &t, c->segment[i]), &p, i);
     }
     if (s == TZ_OK) {

@@ -197,7 +197,7 @@ static tz_status paint_bands(tz_canvas *c)
     k.spread = tz_rng_range(r, 0.3, 1);
     k.fray = tz_shape_log_range(r, 0.2, 4);
     k.streak_size = tz_shape_log_range(r, 2, 0.25 * k.width + 3);
-    k.grain = tz_rng_range(r, 0.02, 0.5);
+    k.grain = tz_shape_log_range(r, 0.06, 0.9);
     k.soft_share = tz_rng_range(r, 0, 0.5);
     draw_palette(r, tz_rng_range(r, 0.5, 1.4), k.palette);
     tz_status status = bend_bands(c, &k);
@@ -408,7 +408,7 @@ static tz_status paint_net(tz_canvas *c)
     }
     for (int32_t i = 0; i < t.n; i++)
         t.v[i].element = i >= 2, t.v[i].depth = 0;
-    double rough = tz_rng_range(&c->rng, 0.05, 0.6);
+    double rough = tz_rng_range(&c->rng, 0.1, 0.9);
     for (int m = 0; m < 2; m++) {
         tz_canvas_skin_draw(&c->rng, k.body, 60, rough, &t.v[m].skin);
         t.v[m].skin.bump *= 0.4f;
