@@ -11,7 +11,9 @@
 
 #define INNER           TZ_FOREST_INNER
 /* Scenes that two cores draw, cut and sort a second (measured). */
-#define SCENES_A_SECOND 8.0
+#define SCENES_A_SECOND 6.2
+/* Leaves of a tree, about: eight such trees are a file of some 5 MB. */
+#define MOST_LEAVES     45000
 
 static const tz_param rows[] = {
     {"trees", TZ_PARAM_INT, offsetof(tz_forest_train_params, trees), 1, 64, "8", "", NULL,
@@ -24,16 +26,16 @@ static const tz_param rows[] = {
      "scenes"},
     {"scenes", TZ_PARAM_INT, offsetof(tz_forest_train_params, scenes), 0, 100000, "0", "",
      NULL, "scenes drawn for each tree; 0 takes the number from the budget"},
-    {"patches", TZ_PARAM_INT, offsetof(tz_forest_train_params, patches), 16, 10000,
-     "1000", "", NULL, "patches cut out of a scene"},
+    {"patches", TZ_PARAM_INT, offsetof(tz_forest_train_params, patches), 16, 10000, "900",
+     "", NULL, "patches cut out of a scene"},
     {"side", TZ_PARAM_INT, offsetof(tz_forest_train_params, side), 64, 2048, "320", "px",
      NULL, "width and height of a scene"},
     {"share", TZ_PARAM_DOUBLE, offsetof(tz_forest_train_params, share), 0.001, 1, "0.25",
      "", NULL, "share of the features that one tree may use"},
     {"tried", TZ_PARAM_INT, offsetof(tz_forest_train_params, tried), 0, 10000, "0", "",
      NULL, "features tried at a node; 0 is the square root of the tree's"},
-    {"least", TZ_PARAM_INT, offsetof(tz_forest_train_params, least), 1, 100000, "8", "",
-     NULL, "fewest patches in a leaf"},
+    {"least", TZ_PARAM_INT, offsetof(tz_forest_train_params, least), 0, 100000, "0", "",
+     NULL, "fewest patches in a leaf; 0 is 8, or more where trees would grow too large"},
     {"depth", TZ_PARAM_INT, offsetof(tz_forest_train_params, depth), 1, 64, "64", "",
      NULL, "deepest leaf"},
 };
@@ -179,6 +181,7 @@ tz_status tz_forest_train(tz_ctx *ctx, const tz_forest_train_params *params,
                           tz_forest *forest)
 {
     grown *g = NULL;
+    tz_forest_train_params p = *params;
     int32_t scenes = 0;
     tz_forest f = {0};
     tz_status s;
@@ -186,11 +189,13 @@ tz_status tz_forest_train(tz_ctx *ctx, const tz_forest_train_params *params,
     if ((s = scenes_of(ctx, params, &scenes)) != TZ_OK)
         return s;
     const int64_t patches = (int64_t)scenes * params->patches;
+    if (p.least == 0)
+        p.least = patches / MOST_LEAVES > 8 ? (int32_t)(patches / MOST_LEAVES) : 8;
     tz_progress_begin(ctx, "train-edges", "scenes and patches",
                       params->trees * (scenes + patches));
     s = tz_alloc_zero(ctx, &g, (size_t)params->trees, sizeof *g);
     for (int32_t t = 0; t < params->trees && s == TZ_OK; t++)
-        s = train_tree(ctx, params, scenes, t, &g[t]);
+        s = train_tree(ctx, &p, scenes, t, &g[t]);
     if (s == TZ_OK)
         s = join(ctx, g, params->trees, &f);
     for (int32_t t = 0; g && t < params->trees; t++) {

@@ -23,7 +23,7 @@ typedef struct tz_forest_train_params {
     int32_t side;    /**< px of a scene */
     double share;    /**< of the features that a tree may use, 0..1 */
     int32_t tried;   /**< features tried at a node; 0 = the square root of the tree's */
-    int32_t least;   /**< patches in a leaf, at least */
+    int32_t least;   /**< patches in a leaf, at least; 0 = 8, more for large data */
     int32_t depth;   /**< of a tree, at most */
 } tz_forest_train_params;
 TZ_API extern const tz_param_table tz_forest_train_param_table;
