@@ -12,7 +12,7 @@
 #define INNER           TZ_FOREST_INNER
 /* Scenes that two cores draw, cut and sort a second (measured). */
 #define SCENES_A_SECOND 6.2
-/* Leaves of a tree, about: eight such trees are a file of some 5 MB. */
+/* Leaves of a tree, about: eight such trees are a file of some 3 MB. */
 #define MOST_LEAVES     45000
 
 static const tz_param rows[] = {
@@ -30,7 +30,7 @@ static const tz_param rows[] = {
      "", NULL, "patches cut out of a scene"},
     {"side", TZ_PARAM_INT, offsetof(tz_forest_train_params, side), 64, 2048, "320", "px",
      NULL, "width and height of a scene"},
-    {"share", TZ_PARAM_DOUBLE, offsetof(tz_forest_train_params, share), 0.001, 1, "0.25",
+    {"share", TZ_PARAM_DOUBLE, offsetof(tz_forest_train_params, share), 0.001, 1, "0.5",
      "", NULL, "share of the features that one tree may use"},
     {"tried", TZ_PARAM_INT, offsetof(tz_forest_train_params, tried), 0, 10000, "0", "",
      NULL, "features tried at a node; 0 is the square root of the tree's"},
