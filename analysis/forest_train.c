@@ -13,7 +13,7 @@
 /* Scenes that two cores draw, cut and sort a second (measured). */
 #define SCENES_A_SECOND 6.2
 /* Leaves of a tree, about: eight such trees are a file of some 3 MB. */
-#define MOST_LEAVES     45000
+#define MOST_LEAVES     25000
 
 static const tz_param rows[] = {
     {"trees", TZ_PARAM_INT, offsetof(tz_forest_train_params, trees), 1, 64, "8", "", NULL,
