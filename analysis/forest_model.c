@@ -3,7 +3,9 @@
  * five tables of lists. Every index is checked before a detector follows it. */
 #include "analysis/forest_model.h"
 
+#include <float.h>
 #include <libdeflate.h>
+#include <math.h>
 #include <string.h>
 
 #include "analysis/forest_features.h"
@@ -232,7 +234,7 @@ static bool parse_one(const list_job *j, const char **p, int64_t at)
         if (!tz_number_parse(*p, p, &real))
             return false;
         j->real[at] = (float)real;
-        return true;
+        return fabs(real) <= FLT_MAX;
     }
     if (!parse_whole(p, &whole))
         return false;
@@ -251,6 +253,8 @@ static tz_status parse_chunk(tz_ctx *ctx, void *arg, int64_t i, int worker)
     const int64_t last = to == j->l.to ? j->l.n : j->count[i + 1];
     char what[120];
     (void)worker;
+    if (i > 0 && p == j->l.to) /* the last number lies across this chunk's start */
+        return TZ_OK;
     for (int64_t at = j->count[i]; at < last; at++) {
         p = skip(p);
         if (p >= to || !parse_one(j, &p, at)) {
