@@ -7,7 +7,11 @@
  *   chips    convex polygons from large to small, dropped where nothing lies yet */
 #include "analysis/forest_scene_shapes.h"
 
+#include <assert.h>
+
 typedef enum layout { SQUARES, SIXES, TRIANGLES, SHARDS, COURSES, CHIPS, LAYOUTS } layout;
+
+#define TRIANGLE 0.8660254 /* height of an equilateral triangle */
 
 enum { FAMILIES = 4, CHIP_SIDES = 9 };
 
@@ -60,6 +64,8 @@ static void draw_parameters(tz_canvas *c, mosaic *k)
     k->kind = (layout)tz_rng_below(r, LAYOUTS);
     k->wide = tz_shape_log_range(r, 26, 220);
     k->tall = k->wide * (tz_shape_chance(r, 0.6) ? 1 : tz_rng_range(r, 0.5, 2));
+    if (k->kind == TRIANGLES)
+        k->tall = TRIANGLE * k->wide;
     k->stagger = tz_shape_chance(r, 0.3) ? tz_rng_unit(r) : 0;
     k->turn = tz_shape_chance(r, 0.6) ? tz_rng_range(r, 0, 0.1) : 0;
     k->shrink = tz_shape_chance(r, 0.6) ? tz_rng_range(r, 0, 0.12) : 0;
@@ -127,7 +133,7 @@ static mosaic_spot square_at(const mosaic *k, double x, double y)
 /* Oblique axes: a cell is two triangles, below and above its diagonal. */
 static mosaic_spot triangle_at(const mosaic *k, double x, double y)
 {
-    double height = 0.8660254 * k->wide, v = y / height, u = x / k->wide - 0.5 * v;
+    double height = TRIANGLE * k->wide, v = y / height, u = x / k->wide - 0.5 * v;
     int32_t j = (int32_t)floor(v), i = (int32_t)floor(u);
     double fu = u - i, fv = v - j;
     bool upper = fu + fv > 1;
@@ -327,6 +333,7 @@ tz_status tz_scene_MOSAIC(tz_canvas *c)
         /* a joint, or beyond a tile that is turned or small; narrow ones become lines */
         const bool joint = (p.half >= 4 && p.edge < p.half) || p.edge <= 0;
         c->segment[i] = joint && (k.kind == SQUARES || p.half >= 4) ? 0 : p.thing;
+        assert(c->segment[i] >= 0 && c->segment[i] < things);
         paint(c, &k, skin_of(&k, &t, c->segment[i]), &p, i);
     }
     if (s == TZ_OK) {

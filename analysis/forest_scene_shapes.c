@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/forest_scene_shapes.h"
 
+#include <assert.h>
 #include <string.h>
 
 /* ---- small numbers, colour --------------------------------------------------------- */
@@ -111,8 +112,10 @@ void tz_shape_things_count(const tz_canvas *c, tz_shape_things *t)
 {
     for (int32_t i = 0; i < t->n; i++)
         t->v[i].seen = 0;
-    for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n; i++)
+    for (int64_t i = 0, n = (int64_t)c->width * c->height; i < n; i++) {
+        assert(c->segment[i] >= 0 && c->segment[i] < t->n);
         t->v[c->segment[i]].seen++;
+    }
 }
 
 tz_status tz_shape_things_commit(tz_canvas *c, const tz_shape_things *t)

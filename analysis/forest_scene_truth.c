@@ -10,6 +10,7 @@
  * into the single curve that an observer would draw. */
 #include "analysis/forest_scene_stage.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { SPECK = 15 }; /* px: smaller parts of a piece are no truth worth learning */
@@ -147,6 +148,7 @@ static tz_status count_pieces(const tz_canvas *c, plane *m, tz_scene *scene)
     for (int32_t y = 0; y < m->height; y++)
         for (int32_t x = 0; x < m->width; x++) {
             int32_t *id = &m->v[(int64_t)y * m->width + x];
+            assert(*id >= 0 && *id < c->piece.n);
             if (name[*id] < 0) {
                 const tz_canvas_piece *p = &c->piece.v[*id];
                 const int64_t whole = p->whole / 4;
