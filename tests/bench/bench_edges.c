@@ -8,7 +8,8 @@
  *
  * One line a set and detector: edges SET PICTURES DETECTOR VARIANT ODS OIS AP SECONDS,
  * the seconds a picture of one plain run. Of the variants of a detector the best one in
- * this set is shown, or all of them with --all. --pictures writes what each found. */
+ * this set is shown; or all of them with --all, and behind the seconds the threshold of
+ * ODS. --pictures writes what each found. */
 #include <dirent.h>
 
 #include "analysis/boundary_score.h"
@@ -211,10 +212,14 @@ static figures figures_of(const bench *b, const char *set, int32_t detector)
     return f;
 }
 
-static void print_line(const char *set, const edge_detector *e, const figures *f)
+static void print_line(const bench *b, const char *set, const edge_detector *e,
+                       const figures *f)
 {
-    printf("edges %s %d %s %s %.4f %.4f %.4f %.5f\n", set, f->pictures, e->family,
+    printf("edges %s %d %s %s %.4f %.4f %.4f %.5f", set, f->pictures, e->family,
            e->variant, f->score.ods, f->score.ois, f->score.ap, f->seconds);
+    if (b->o.all)
+        printf(" %.3f", f->score.ods_threshold);
+    printf("\n");
 }
 
 static void print_set(const bench *b, const char *set)
@@ -230,12 +235,12 @@ static void print_set(const bench *b, const char *set)
                 continue;
             const figures f = figures_of(b, set, next);
             if (b->o.all)
-                print_line(set, &edge_detectors[next], &f);
+                print_line(b, set, &edge_detectors[next], &f);
             if (which < 0 || f.score.ods > best.score.ods)
                 best = f, which = next;
         }
         if (which >= 0 && best.pictures > 0 && !b->o.all)
-            print_line(set, &edge_detectors[which], &best);
+            print_line(b, set, &edge_detectors[which], &best);
     }
 }
 
