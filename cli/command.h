@@ -32,7 +32,8 @@ typedef struct tz_command {
     int32_t groups;
     const tz_example *example;
     int32_t examples;
-    size_t size; /**< of the command's values */
+    size_t size;     /**< of the command's values */
+    uint64_t memory; /**< budget, bytes, where --memory is not given; 0 = its default */
     tz_status (*run)(tz_cli *cli);
 } tz_command;
 

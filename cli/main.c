@@ -78,11 +78,13 @@ static int run(tz_cli *cli)
 {
     tz_bar bar;
     tz_bar_init(&bar, cli->common->quiet);
-    const tz_ctx_options opt = {.threads = cli->common->threads,
-                                .memory = (size_t)cli->common->memory,
-                                .on_progress = bar.on ? tz_bar_progress : NULL,
-                                .on_warning = tz_bar_warning,
-                                .user = &bar};
+    const bool own = cli->command->memory && !tz_cli_given(cli, "memory");
+    const tz_ctx_options opt = {
+        .threads = cli->common->threads,
+        .memory = (size_t)(own ? cli->command->memory : cli->common->memory),
+        .on_progress = bar.on ? tz_bar_progress : NULL,
+        .on_warning = tz_bar_warning,
+        .user = &bar};
     double start = tz_seconds();
     tz_status s = tz_ctx_new(&opt, &cli->ctx);
     if (s != TZ_OK) {

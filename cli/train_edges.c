@@ -80,7 +80,8 @@ const tz_command tz_train_edges_command = {
         "Draws scenes of stones, bricks, cracks, leaves, bark and more, whose boundaries "
         "are known, and trains a structured random forest on them. No photo is needed. "
         "The file is in the format of OpenCV's structured edge detector and serves "
-        "analyze and expand through --model.",
+        "analyze and expand through --model. Memory: up to 8 GB unless --memory says "
+        "otherwise, and what it takes grows with the budget.",
     .min_operands = 0,
     .max_operands = 0,
     .group = groups,
@@ -88,5 +89,6 @@ const tz_command tz_train_edges_command = {
     .example = examples,
     .examples = sizeof examples / sizeof examples[0],
     .size = sizeof(values),
+    .memory = (uint64_t)8 << 30,
     .run = run,
 };
