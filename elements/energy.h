@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Energy solver for element textures: search for the exemplar's neighbourhoods, then one
+ * least-squares assignment of all positions, in turns.
+ * @source [Ma11] Sec. 3 to 5: metric Eq. (1), energy Eq. (2), assignment Eq. (3), (4),
+ * attributes Eq. (5), domain shape Eq. (6), local orientation Eq. (7) */
+#ifndef TZ_ELEMENTS_ENERGY_H
+#define TZ_ELEMENTS_ENERGY_H
+
+#include "base/param.h"
+#include "elements/element.h"
+
+typedef enum tz_energy_start {
+    TZ_ENERGY_PATCHES, /**< random patches of the exemplar side by side */
+    TZ_ENERGY_NOISE,   /**< random elements at random places */
+    TZ_ENERGY_GIVEN    /**< what the output holds */
+} tz_energy_start;
+
+/** Table: tz_energy_param_table. */
+typedef struct tz_energy_params {
+    uint64_t seed;
+    int32_t start; /**< tz_energy_start */
+    int32_t iterations;
+    double radius; /**< of neighbourhoods, user units; 0 = from the exemplar's spacing */
+    double patch;  /**< side of the patches, user units; 0 = two radii */
+    int32_t coherent; /**< k of the k-coherence search */
+    double attribute; /**< weight of orientation and scale against position, Eq. (1) */
+    double border; /**< how much exemplar neighbourhoods near its border are favoured near
+                           the domain's, 0..1 */
+} tz_energy_params;
+TZ_API extern const tz_param_table tz_energy_param_table;
+
+/** Called after each iteration; may move elements that are not fixed (physics). */
+typedef struct tz_energy_hook {
+    tz_status (*after)(void *user, tz_element_set *output, int32_t iteration,
+                       double energy);
+    void *user;
+} tz_energy_hook;
+
+/** Synthesises.
+ * @param output  its domain is filled (TZ_ENERGY_GIVEN: its elements are moved; fixed ones
+ *                stay)
+ * @param hook    NULL = none
+ * @param[out] energy  NULL, or iterations + 1 values of Eq. (2), before and after each
+ * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED (output whole)
+ * @cost an iteration O(elements * neighbours^2) and one sparse factorisation, reused while
+ *       the pattern holds */
+TZ_API tz_status tz_energy_solve(tz_ctx *ctx, const tz_element_set *exemplar,
+                                 const tz_energy_params *params, tz_element_set *output,
+                                 const tz_energy_hook *hook, double *energy);
+
+#endif
