@@ -27,12 +27,12 @@ fetch_photos "$build/cache/photos" >/dev/null || true
 "${CC:-cc}" -std=c17 -D_GNU_SOURCE -O2 -I"$root" "$here/draw_figures.c" \
     -o "$work/draw_figures" -L"$build/lib" -lterrazzo -lm -Wl,-rpath,"$build/lib"
 
-# photo NAME SUBSTITUTE : copies the photo into the work folder, prints its name there
+# photo NAME SUBSTITUTE EXEMPLAR : copies the photo into the work folder, prints its name
+# there
 photo() {
     local f
     for f in "$folder/$1".{jpg,png} "$build/cache/photos/$1.png" \
-        "$build/cache/photos/$2.png" "$root/data/exemplars/$2.png" \
-        "$root/data/exemplars/stones.png"; do
+        "$build/cache/photos/$2.png" "$root/data/exemplars/$3.png"; do
         [ -s "$f" ] || continue
         cp "$f" "$work/$1.${f##*.}"
         echo "$1.${f##*.}"
@@ -54,17 +54,19 @@ sheet() {
     echo "$out/$name.jpg"
 }
 
-wall=$(photo stone_wall brick)
-bark=$(photo bark_brown grass)
-slabs=$(photo mossy_rock_slabs stones)
-cells=$(photo volcanic_stone_cells mud)
-cliff=$(photo cliff_strata grass)
-cracked=$(photo cracked_rock mud)
-leaves=$(photo leaf_litter gravel)
-onyx=$(photo onyx_swirl mud)
-gravel=$(photo gravel gravel)
-brick=$(photo brick brick)
-grass=$(photo grass grass)
+wall=$(photo stone_wall brick bricks)
+bark=$(photo bark_brown grass bark)
+slabs=$(photo mossy_rock_slabs stones stones)
+cells=$(photo volcanic_stone_cells mud stones)
+cliff=$(photo cliff_strata grass mud)
+cracked=$(photo cracked_rock mud mud)
+leaves=$(photo leaf_litter gravel leaves)
+onyx=$(photo onyx_swirl mud mud)
+gravel=$(photo gravel gravel pebbles)
+brick=$(photo brick brick bricks)
+pavement=$(photo cobblestone_pavement brick bricks)
+slate=$(photo veined_slate mud mud)
+moss=$(photo moss_ground grass leaves)
 
 # ---- README ----------------------------------------------------------------------------
 # block X Y NAME : exemplar, below it a part of the texture at full size, and the texture
@@ -102,6 +104,16 @@ sheet groups 1 800x800 "regions, and their edges in the same hue" wall.png
 draw polar wall.svg polar.svg
 picture polar
 sheet polar 1 1000x1000 "one edge group with its edges' centres, and its polar grid" polar.png
+
+# the detectors side by side, with the model that Terrazzo ships
+if [ -s "$root/data/edge-forest.yml.gz" ]; then
+    "$build/tests/draw_edges" --cell 208 --quality 50 -o "$out/detectors.jpg" \
+        "$pavement" "$cells" "$wall" "$slabs" "$gravel" "$cracked" "$leaves" "$bark" \
+        "$slate" "$moss"
+    echo "$out/detectors.jpg"
+else
+    echo "figures: no data/edge-forest.yml.gz: detectors.jpg is left out" >&2
+fi
 
 # ---- arrangement -----------------------------------------------------------------------
 tz arrange wall.svg -o layout.svg --size 1024x768 --seed 7
