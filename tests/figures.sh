@@ -106,10 +106,11 @@ picture polar
 sheet polar 1 1000x1000 "one edge group with its edges' centres, and its polar grid" polar.png
 
 # the detectors side by side, with the model that Terrazzo ships
-if [ -s "$root/data/edge-forest.yml.gz" ]; then
-    "$build/tests/draw_edges" --cell 208 --quality 50 -o "$out/detectors.jpg" \
-        "$pavement" "$cells" "$wall" "$slabs" "$gravel" "$cracked" "$leaves" "$bark" \
-        "$slate" "$moss"
+model=$root/data/edge-forest.yml.gz
+if [ -s "$model" ]; then
+    "$build/tests/draw_edges" --model "$model" --cell 208 --quality 50 \
+        -o "$out/detectors.jpg" "$pavement" "$cells" "$wall" "$slabs" "$gravel" \
+        "$cracked" "$leaves" "$bark" "$slate" "$moss"
     echo "$out/detectors.jpg"
 else
     echo "figures: no data/edge-forest.yml.gz: detectors.jpg is left out" >&2
