@@ -9,7 +9,9 @@
 #include "base/array.h"
 #include "elements/domain.h"
 
-/** A point of an element. An element of one sample has it at its own position. */
+/** A point of an element. An element of one sample has it at its own position. Samples are
+ * not wrapped: `at` of a sample less `at` of its element is their vector, also on a torus.
+ */
 typedef struct tz_sample {
     tz_vec3 at;    /**< in the world */
     int32_t id;    /**< of this sample within its element: pairs with the same id only */
@@ -59,17 +61,22 @@ typedef struct tz_element_set {
     kind;
     TZ_ARRAY(tz_element_symbol)
     symbol;
+    char *background; /**< SVG markup beneath all elements, owned; NULL = none */
     tz_ctx *ctx;
 } tz_element_set;
 
 TZ_API void tz_element_set_deinit(tz_element_set *s); /**< takes zeroed */
-/** Kinds and symbols of `from`, no elements: the start of a layout.
- * @param[out] to  replaced; empty on error */
+/** Kinds, symbols and background of `from`, no elements: the start of a layout.
+ * @param domain   NULL = that of `from`
+ * @param[out] to  overwritten, not freed (it may be uninitialised); zeroed on error
+ * @return TZ_OK; TZ_NOMEM */
 TZ_API tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
                                      const tz_domain *domain, tz_element_set *to);
 /** Appends a copy of element `source` of `from` at a place: its samples are turned and
- * scaled along.
- * @param angle, scale  added to, and multiplied with, the source's own
+ * scaled along. It is not fixed, and lies at the source's depth.
+ * @param from   with the same kinds and symbols; may be s itself
+ * @param at     wrapped into the domain on a torus
+ * @param angle, scale  added to, and multiplied with, the source's own; scale > 0
  * @return TZ_OK; TZ_NOMEM; TZ_LIMIT */
 TZ_API tz_status tz_element_set_place(tz_element_set *s, const tz_element_set *from,
                                       int32_t source, tz_vec3 at, double angle,
