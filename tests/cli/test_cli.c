@@ -283,12 +283,14 @@ static void usage_errors_exit_2(void **state)
 static void help_comes_from_the_tables(void **state)
 {
     (void)state;
-    static const char *const command[] = {"expand",  "analyze", "arrange", "render",
-                                          "compare", "replay",  "sheet",   "params"};
+    static const char *const command[] = {"expand", "analyze",     "arrange",
+                                          "render", "compare",     "replay",
+                                          "sheet",  "train-edges", "params"};
+    enum { COMMANDS = sizeof command / sizeof *command };
     assert_exit(0, "$T --version");
     assert_int_equal(strncmp(out_text, "terrazzo ", 9), 0);
     assert_exit(0, "$T --help");
-    for (size_t i = 0; i < 8; i++) {
+    for (size_t i = 0; i < COMMANDS; i++) {
         assert_exit(0, "$T help %s", command[i]);
         assert_non_null(strstr(out_text, "Examples:"));
         assert_exit(0, "$T %s --help", command[i]);
@@ -301,7 +303,7 @@ static void help_comes_from_the_tables(void **state)
     }
     assert_exit(0, "$T params --format json-schema >schema.json");
     json_t *v = json_load_file("schema.json", 0, NULL);
-    assert_int_equal(json_array_size(v), 8);
+    assert_int_equal(json_array_size(v), COMMANDS);
     json_decref(v);
     assert_exit(0, "$T params --format man >t.1 && grep -q '^.SH NAME' t.1 && "
                    "grep -q 'save.-layout' t.1");
