@@ -105,6 +105,11 @@ draw polar wall.svg polar.svg
 picture polar
 sheet polar 1 1000x1000 "one edge group with its edges' centres, and its polar grid" polar.png
 
+# what the detector was trained on
+"$build/tests/draw_scenes" scenes.png 1000000 150
+sheet scenes 1 1400x1400 "a scene of each kind, and the boundaries that are known to be in it" \
+    scenes.png
+
 # the detectors side by side, with the model that Terrazzo ships
 model=$root/data/edge-forest.yml.gz
 if [ -s "$model" ]; then
