@@ -57,8 +57,8 @@ typedef struct reader {
 
 static tz_status bad(const reader *r, const char *fault)
 {
-    return tz_fail(r->ctx, TZ_FORMAT, "%s: not a structured-forest model: %s", r->path,
-                   fault);
+    tz_fail(r->ctx, TZ_FORMAT, "%s: not a structured-forest model: %s", r->path, fault);
+    return TZ_FORMAT;
 }
 
 /* Gzip's trailer tells the size modulo 2^32; a liar runs out of room. */
@@ -472,16 +472,14 @@ static void put(writer *w, const char *piece)
     w->text.n += n;
 }
 
-/* The next number of a list, on a new line where the line is long enough. */
+/* The next number of a list, without blanks: a third of the file would be blanks. */
 static void put_number(writer *w, bool first, const char *number)
 {
     if (!first)
         put(w, ",");
-    if (w->text.n - w->line > 76) {
+    if (w->text.n - w->line > 240) {
         put(w, "\n      ");
         w->line = w->text.n;
-    } else {
-        put(w, " ");
     }
     put(w, number);
 }
