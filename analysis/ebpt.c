@@ -21,14 +21,17 @@
 
 /* Lab units; less than a quarter of a grey step of 8 bits is noise of coding. */
 #define LEAST_RESPONSE 0.25
-#define LEAST_FOREST   0.02
+/* Share of trees that see an edge: less is grain; and where most of them agree. */
+#define LEAST_FOREST   0.08
+#define FULL_FOREST    0.3F
 #define LEAST_DIAMETER 12.0
 
 static const tz_param rows[] = {
     {"edges", TZ_PARAM_ENUM, offsetof(tz_ebpt_params, edges), 0, 0, "auto", "",
-     "auto|forest|gradient", "edge detector; auto is forest if a model is given"},
+     "auto|forest|gradient", "edge detector; auto is forest"},
     {"model", TZ_PARAM_STRING, offsetof(tz_ebpt_params, model), 0, 0, "", "", NULL,
-     "structured-forest model file (.yml or .yml.gz)"},
+     "structured-forest model (.yml or .yml.gz); without one the one that Terrazzo "
+     "ships"},
     {"edge-threshold", TZ_PARAM_DOUBLE, offsetof(tz_ebpt_params, edge_threshold), 0, 1,
      "0.4", "", NULL, "weakest edge, as a share of the picture's own edge strength"},
     {"min-length", TZ_PARAM_INT, offsetof(tz_ebpt_params, min_length), 1, 10000, "8",
@@ -73,10 +76,11 @@ typedef struct work {
     const tz_image *photo;
     tz_ebpt *e;
     tz_tensor t;
-    tz_edge_map m;  /* response for edges */
-    float *borders; /* response for regions */
-    double full;    /* edge response of strength 1 */
-    int32_t count;  /* regions */
+    tz_edge_map m;           /* response for edges */
+    float *borders;          /* response for regions */
+    double full;             /* edge response of strength 1 */
+    const tz_forest *forest; /* NULL: the gradient finds the edges */
+    int32_t count;           /* regions */
 } work;
 
 #define EDGES_A_TASK 64
@@ -91,9 +95,13 @@ static tz_status measure_some(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
-static bool use_forest(const tz_ebpt_params *p)
+/* Contrast counts more where the forest sees a border, and less inside of things: grain
+ * and shadows do not part a stone. */
+static void weigh_borders(work *k)
 {
-    return p->edges == TZ_EDGES_FOREST || (p->edges == TZ_EDGES_AUTO && p->model[0]);
+    const size_t n = (size_t)k->e->width * (size_t)k->e->height;
+    for (size_t i = 0; i < n; i++)
+        k->borders[i] *= 0.25F + fminf(k->m.response[i] / FULL_FOREST, 1.5F);
 }
 
 static tz_status make_responses(tz_ctx *ctx, work *k)
@@ -109,25 +117,24 @@ static tz_status make_responses(tz_ctx *ctx, work *k)
     s = tz_alloc(ctx, &k->borders, (size_t)e->width * e->height, sizeof *k->borders);
     if (s != TZ_OK)
         return s;
-    if (use_forest(&e->params)) {
-        const tz_forest *forest = NULL;
-        s = tz_forest_of(ctx, e->params.model, &forest);
-        if (s == TZ_OK)
-            s = tz_forest_response(ctx, k->photo, forest, k->m.response, k->m.normal);
-    } else
+    if (k->forest)
+        s = tz_forest_response(ctx, k->photo, k->forest, k->m.response, k->m.normal);
+    else
         s = tz_tensor_response(&k->t, fine, k->m.response, k->m.normal);
     if (s != TZ_OK)
         return s;
     tz_scale_weights(e->scale, coarse);
     if ((s = tz_tensor_response(&k->t, coarse, k->borders, NULL)) != TZ_OK)
         return s;
+    if (k->forest)
+        weigh_borders(k);
     return tz_scale_balance(ctx, k->borders, e->width, e->height, e->scale);
 }
 
 /* Sec. 4.1 without the features. */
 static tz_status find_edges(work *k)
 {
-    const bool forest = use_forest(&k->e->params);
+    const bool forest = k->forest != NULL;
     const double least = forest ? LEAST_FOREST : LEAST_RESPONSE;
     tz_status s = tz_edge_map_detect(&k->m, k->e->params.edge_threshold, least);
     if (s != TZ_OK)
@@ -174,10 +181,10 @@ static tz_status check(tz_ctx *ctx, const tz_image *photo, const tz_ebpt_params 
 {
     if (photo->width < 1 || photo->height < 1 || photo->channels < 1)
         return tz_fail(ctx, TZ_INVALID, "analyze: the photo has no pixels");
-    if (p->edges == TZ_EDGES_FOREST && !p->model[0])
+    if (p->edges == TZ_EDGES_GRADIENT && p->model[0])
         return tz_fail(ctx, TZ_INVALID,
-                       "analyze: --edges forest needs a model file "
-                       "(--model); else take --edges gradient");
+                       "analyze: --edges gradient takes no model; leave --model %s out",
+                       p->model);
     return TZ_OK;
 }
 
@@ -191,6 +198,9 @@ tz_status tz_ebpt_analyze(tz_ctx *ctx, const tz_image *photo,
 
     *out = (tz_ebpt){0};
     if ((s = check(ctx, photo, params)) != TZ_OK)
+        return s;
+    if (params->edges != TZ_EDGES_GRADIENT &&
+        (s = tz_forest_of(ctx, params->model, &k.forest)) != TZ_OK)
         return s;
     e.params = *params;
     tz_progress_begin(ctx, "analyze", "px", 3 * pixels);

@@ -19,8 +19,9 @@ typedef enum tz_binning { TZ_BINNING_UNIFORM, TZ_BINNING_ADAPTIVE } tz_binning;
 
 /** Table: tz_ebpt_param_table. */
 typedef struct tz_ebpt_params {
-    int32_t edges; /**< tz_edge_detector; auto = forest if a model is given */
-    char model[TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = none */
+    int32_t edges; /**< tz_edge_detector; auto = forest */
+    char model
+        [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own */
     double
         edge_threshold; /**< hysteresis, share of the picture's own edge strength 0..1 */
     int32_t min_length; /**< px; shorter chains are dropped */

@@ -5,16 +5,17 @@
  * the smoothing is a sum of quarters of them, so nothing depends on the order of work.
  *
  * A step of a walk is one comparison, value < threshold, that chooses between neighbouring
- * nodes; a leaf is its own child. Nothing branches, and eight walks go on at once: each
- * waits for memory most of the time. */
+ * nodes; a leaf is its own child. Eight walks down one tree go on at once: each waits for
+ * memory most of the time. */
 #include "analysis/forest.h"
 
 #include <math.h>
 #include <string.h>
 
-#define INNER TZ_FOREST_INNER
-#define BLOCK 8 /* rows of patches, or of pixels, a task */
-#define WALKS 8
+#define INNER      TZ_FOREST_INNER
+#define BLOCK      16 /* rows of patches, or of pixels, a task */
+#define WALKS      8
+#define MOST_WALKS 256
 
 typedef struct walk_node {
     float threshold;
@@ -38,22 +39,35 @@ typedef struct detection {
 
 /* ---- walks --------------------------------------------------------------------------- */
 
+/* Trees one after another, each from an odd place on, so that the two children of a node
+ * share a cache line. */
+static int32_t tree_stride(const tz_forest *f) { return f->nodes / 2 * 2 + 2; }
+static int32_t tree_root(const tz_forest *f, int32_t tree)
+{
+    return tree * tree_stride(f) + 1;
+}
+
 static tz_status prepare_nodes(tz_ctx *ctx, const tz_forest *f, int32_t width,
                                walk_node **out)
 {
     int32_t place[TZ_FOREST_FEATURES][2];
-    const int64_t n = (int64_t)f->trees * f->nodes;
     walk_node *node = NULL;
-    const tz_status s = tz_alloc(ctx, &node, (size_t)n, sizeof *node);
+    const tz_status s =
+        tz_alloc(ctx, &node, (size_t)tree_root(f, f->trees), sizeof *node);
     if (s != TZ_OK)
         return s;
     for (int32_t i = 0; i < TZ_FOREST_FEATURES; i++)
         tz_forest_feature_place(i, width, &place[i][0], &place[i][1]);
-    for (int64_t i = 0; i < n; i++) {
-        const int32_t c = f->child[i], id = (int32_t)(i / f->nodes) * f->nodes + c;
-        const int32_t *p = place[c ? f->feature[i] : 0];
-        node[i] = c ? (walk_node){f->threshold[i], id, p[0], p[1]}
-                    : (walk_node){-INFINITY, (int32_t)i, p[0], p[1]};
+    for (int32_t t = 0; t < f->trees; t++) {
+        const size_t from = (size_t)t * (size_t)f->nodes;
+        const int32_t root = tree_root(f, t);
+        for (int32_t i = 0; i < f->nodes; i++) {
+            const int32_t c = f->child[from + (size_t)i];
+            const int32_t *p = place[c ? f->feature[from + (size_t)i] : 0];
+            node[root + i] =
+                c ? (walk_node){f->threshold[from + (size_t)i], root + c, p[0], p[1]}
+                  : (walk_node){-INFINITY, root + i, p[0], p[1]};
+        }
     }
     *out = node;
     return TZ_OK;
@@ -65,45 +79,67 @@ static inline int32_t step(const walk_node *node, int32_t at, const float *v)
     return n->next - (v[n->a] - v[n->b] < n->threshold);
 }
 
-/* Leaves that WALKS walks reach from where they stand, each with a patch of its own. */
-static void walk(const walk_node *node, const float *const v[WALKS], int32_t at[WALKS])
+/* Walks down one tree that are gathered until there are MOST_WALKS of them. */
+typedef struct walk_list {
+    const float *v[MOST_WALKS];
+    int32_t *leaf[MOST_WALKS]; /* where the results go */
+    int32_t n;
+} walk_list;
+
+/* Walks them all, WALKS at once; whoever arrives makes room for the next. */
+static void walk_all(const detection *d, int32_t tree, walk_list *l)
 {
-    int32_t here[WALKS], changed;
-    memcpy(here, at, sizeof here);
-    do {
-        changed = 0;
-        for (int k = 0; k < WALKS; k++) {
-            const int32_t next = step(node, here[k], v[k]);
-            changed |= next ^ here[k];
-            here[k] = next;
+    const int32_t root = tree_root(d->forest, tree), from = tree * d->forest->nodes;
+    const int32_t lanes = l->n < WALKS ? l->n : WALKS;
+    int32_t here[WALKS], walk[WALKS], next = lanes, left = l->n;
+    const float *v[WALKS];
+    for (int32_t k = 0; k < lanes; k++)
+        here[k] = root, walk[k] = k, v[k] = l->v[k];
+    while (left > 0)
+        for (int32_t k = 0; k < lanes; k++) {
+            const int32_t to = step(d->node, here[k], v[k]);
+            if (to != here[k]) {
+                here[k] = to;
+                continue;
+            }
+            if (walk[k] < 0) /* waits for the others */
+                continue;
+            *l->leaf[walk[k]] = to - root + from;
+            left--;
+            walk[k] = next < l->n ? next++ : -1;
+            if (walk[k] >= 0)
+                here[k] = root, v[k] = l->v[walk[k]];
         }
-    } while (changed);
-    memcpy(at, here, sizeof here);
+    l->n = 0;
 }
 
-/* All walks of a row of patches, WALKS by WALKS; the last ones are filled up. */
+/* A block of rows of patches, tree by tree: one tree stays in the cache, all do not. Patch
+ * (i, j) asks trees (i + j) mod 2e, and the e - 1 after it. */
 static tz_status walk_rows(tz_ctx *ctx, void *arg, int64_t task, int worker)
 {
     const detection *d = arg;
     const tz_forest *f = d->forest;
-    const int32_t to = ((int32_t)task + 1) * BLOCK, e = f->evaluated;
+    const int32_t e = f->evaluated, from = (int32_t)task * BLOCK;
+    const int32_t to = from + BLOCK < d->rows ? from + BLOCK : d->rows;
+    walk_list l = {.n = 0};
     (void)worker;
-    for (int32_t r = (int32_t)task * BLOCK; r < to && r < d->rows; r++) {
-        const int32_t i = d->first + r, walks = d->columns * e;
-        int32_t *leaf = d->leaf + (size_t)r * (size_t)walks;
-        const float *row = tz_forest_features_at(&d->f, 0, i * d->stride / 2);
-        for (int32_t first = 0; first < walks; first += WALKS) {
-            const int32_t n = walks - first < WALKS ? walks - first : WALKS;
-            const float *v[WALKS];
-            int32_t at[WALKS];
-            for (int32_t k = 0; k < WALKS; k++) {
-                const int32_t w = first + (k < n ? k : 0), j = w / e, t = w % e;
-                v[k] = row + (size_t)(j * d->stride / 2) * TZ_FOREST_STEP;
-                at[k] = ((i + j) % (2 * e) + t) % f->trees * f->nodes;
+    for (int32_t tree = 0; tree < f->trees; tree++) {
+        for (int32_t r = from; r < to; r++) {
+            const int32_t i = d->first + r;
+            int32_t *leaf = d->leaf + (size_t)r * (size_t)d->columns * (size_t)e;
+            const float *row = tz_forest_features_at(&d->f, 0, i * d->stride / 2);
+            for (int32_t j = 0; j < d->columns; j++) {
+                const int32_t k =
+                    (tree + f->trees - (i + j) % (2 * e) % f->trees) % f->trees;
+                if (k >= e)
+                    continue;
+                l.v[l.n] = row + (size_t)(j * d->stride / 2) * TZ_FOREST_STEP;
+                l.leaf[l.n] = leaf + j * e + k;
+                if (++l.n == MOST_WALKS)
+                    walk_all(d, tree, &l);
             }
-            walk(d->node, v, at);
-            memcpy(leaf + first, at, (size_t)n * sizeof *leaf);
         }
+        walk_all(d, tree, &l);
     }
     return tz_ctx_cancelled(ctx) ? TZ_CANCELLED : TZ_OK;
 }

@@ -14,6 +14,7 @@
 
 #define LEAST_SIDE  32
 #define SLAB_PIXELS ((int64_t)1 << 21)
+#define STRIDE      4 /* px between patches: 16 patches see a pixel */
 
 static const float weights[3] = {1 / 11.0F, 2 / 11.0F, 8 / 11.0F};
 
@@ -158,17 +159,19 @@ static tz_status detect_size(tz_ctx *ctx, const tz_forest *forest, const tz_imag
                              int32_t shift, float *response)
 {
     const size z = size_of(photo, shift);
-    const int32_t stride = shift > 0 ? 4 : 2;
     int64_t rows = SLAB_PIXELS / z.width / 2 * 2;
     float *part = NULL;
     rows = rows < 64 ? 64 : rows;
     rows = rows < z.height ? rows : z.height;
     const int32_t kept = shift < 0 ? z.height : (int32_t)rows;
+    tz_forest few = *forest; /* what counts little is asked of half the trees */
+    if (shift < 1)
+        few.evaluated = (few.evaluated + 1) / 2;
     tz_status s = tz_alloc(ctx, &part, (size_t)kept * (size_t)z.width, sizeof *part);
     for (int32_t y = 0; y < z.height && s == TZ_OK; y += (int32_t)rows) {
         const int32_t y1 = y + (int32_t)rows < z.height ? y + (int32_t)rows : z.height;
         float *out = shift < 0 ? part + (size_t)y * (size_t)z.width : part;
-        s = tz_forest_detect(ctx, forest, photo_row, &z, z.width, z.height, stride, y, y1,
+        s = tz_forest_detect(ctx, &few, photo_row, &z, z.width, z.height, STRIDE, y, y1,
                              out);
         if (s == TZ_OK && shift > 0)
             add_double(photo, part, z.width, y, y1, response);
