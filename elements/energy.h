@@ -23,28 +23,40 @@ typedef struct tz_energy_params {
     int32_t iterations;
     double radius; /**< of neighbourhoods, user units; 0 = from the exemplar's spacing */
     double patch;  /**< side of the patches, user units; 0 = two radii */
+    int32_t tries; /**< patches tried for each place; 1 = any, as in the paper */
     int32_t coherent; /**< k of the k-coherence search */
-    double attribute; /**< weight of orientation and scale against position, Eq. (1) */
+    double attribute; /**< weight of orientation and size against position, Eq. (1) */
     double border; /**< how much exemplar neighbourhoods near its border are favoured near
                            the domain's, 0..1 */
 } tz_energy_params;
 TZ_API extern const tz_param_table tz_energy_param_table;
 
-/** Called after each iteration; may move elements that are not fixed (physics). */
+/** What the caller may add; NULL members do nothing. `inside` and `frame` are called from
+ * several threads at once. */
 typedef struct tz_energy_hook {
+    /** Called after each iteration; may move elements that are not fixed (physics) and
+     * their samples, but not add or remove any. */
     tz_status (*after)(void *user, tz_element_set *output, int32_t iteration,
                        double energy);
+    /** Share of the place that lies inside the wanted shape, 0..1, Eq. (6). NULL = the
+     * domain's rectangle. */
+    double (*inside)(void *user, tz_vec3 at);
+    /** Angle of the local frame, radians, Eq. (7). NULL = 0 everywhere. */
+    double (*frame)(void *user, tz_vec3 at);
     void *user;
 } tz_energy_hook;
 
-/** Synthesises.
- * @param output  its domain is filled (TZ_ENERGY_GIVEN: its elements are moved; fixed ones
- *                stay)
+/** Synthesises. Depth (z) is carried along; matching is in the plane.
+ * @param output  its domain is filled: fixed elements stay, others are replaced
+ *                (TZ_ENERGY_GIVEN: are moved). Classes are the exemplar's; an output
+ *                without any takes them over. Elements of one sample may change symbol,
+ *                source, angle and size within their class; those of several are moved
+ *                and turned as their samples are, which may leave them a little bent
  * @param hook    NULL = none
  * @param[out] energy  NULL, or iterations + 1 values of Eq. (2), before and after each
- * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED (output whole)
- * @cost an iteration O(elements * neighbours^2) and one sparse factorisation, reused while
- *       the pattern holds */
+ * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED; on all but TZ_INVALID the output is
+ *   whole, as the last finished step left it
+ * @cost an iteration O(elements * neighbours^2) */
 TZ_API tz_status tz_energy_solve(tz_ctx *ctx, const tz_element_set *exemplar,
                                  const tz_energy_params *params, tz_element_set *output,
                                  const tz_energy_hook *hook, double *energy);

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where the solver starts from: patches of the exemplar side by side, or white noise.
+ *
+ * Each cell of the domain takes a patch. The paper's are random; here several are tried,
+ * each laid so that one of its things falls on one that stands beside the cell already,
+ *
+ *      placed . o |          the patch's surroundings in the exemplar should look like
+ *             o . | cell     what stands there: the one whose surroundings are nearest
+ *             . o |          is taken
+ *
+ * because least squares move things but cannot add or remove any: what two patches have
+ * doubled or left out at their seam stays.
+ * @source [Ma11] Sec. 4.1; cells in random order, a random patch each, no overlap test,
+ *   as the authors' programs do: `tries` = 1. Deviates further: a patch is as large as
+ *   its cell, which keeps the density; a thing that the exemplar's border has cut is
+ *   replaced by a whole one of its class. */
+#include "base/rng.h"
+#include "elements/energy_internal.h"
+
+enum {
+    STREAM_PATCH = 0x656e70,
+    STREAM_NOISE = 0x656e6e,
+    BAND = 24 /* things beside a cell that patches are compared by, at most */
+};
+
+/* A thing that stands beside a cell. */
+typedef struct beside {
+    tz_vec3 at; /* from the cell's corner */
+    const tz_element *element;
+} beside;
+
+typedef struct filler {
+    tz_ctx *ctx;
+    const tz_element_set *from;
+    tz_element_set *to;
+    tz_cells fixed;
+    tz_vec3 *fixed_at;
+    int32_t fixed_n;
+    double apart; /* least distance from fixed elements */
+    int32_t tries;
+    double attribute;
+    tz_cells source; /* the exemplar's elements */
+    tz_vec3 *source_at;
+    tz_vec2 side; /* of a cell of the domain */
+    int32_t nx, ny;
+    int32_t *begin, *end; /* elements of each cell; equal = none yet */
+} filler;
+
+/* Only fixed elements and their samples stay. */
+static tz_status keep_fixed(tz_element_set *s)
+{
+    tz_sample *old = s->sample.v;
+    const int32_t n = s->sample.n, cap = s->sample.cap;
+    int32_t elements = 0;
+    s->sample.v = NULL;
+    s->sample.n = s->sample.cap = 0;
+    tz_status st = tz_array_reserve(s->ctx, &s->sample, n);
+    if (st != TZ_OK) {
+        s->sample.v = old, s->sample.n = n, s->sample.cap = cap;
+        return st;
+    }
+    for (int32_t i = 0; i < s->element.n; i++) {
+        tz_element e = s->element.v[i];
+        if (!e.fixed)
+            continue;
+        for (int32_t k = 0; k < e.samples; k++)
+            s->sample.v[s->sample.n + k] = old[e.sample + k];
+        e.sample = s->sample.n;
+        s->sample.n += e.samples;
+        s->element.v[elements++] = e;
+    }
+    s->element.n = elements;
+    tz_free(s->ctx, old);
+    return TZ_OK;
+}
+
+static bool taken(const filler *f, tz_vec3 at)
+{
+    tz_nearby one;
+    return f->fixed_n > 0 &&
+           tz_cells_near(&f->fixed, f->fixed_at, at, f->apart, -1, &one, 1) > 0;
+}
+
+/* A whole element of the same class in place of one that is cut, or -1. */
+static int32_t whole(const filler *f, int32_t i, tz_rng *r)
+{
+    const tz_element *e = f->from->element.v;
+    if (!e[i].cut)
+        return i;
+    int32_t n = 0, chosen = -1;
+    for (int32_t k = 0; k < f->from->element.n; k++)
+        if (e[k].kind == e[i].kind && !e[k].cut && tz_rng_below(r, ++n) == 0)
+            chosen = k;
+    return chosen;
+}
+
+/* Kept when its first sample comes to lie inside and on no fixed element. */
+static tz_status place(filler *f, int32_t source, tz_vec3 at, tz_rng *r)
+{
+    source = whole(f, source, r);
+    if (source < 0)
+        return TZ_OK;
+    const tz_element *e = &f->from->element.v[source];
+    const tz_vec3 p = f->from->sample.v[e->sample].at;
+    const tz_vec3 first = {at.x + p.x - e->at.x, at.y + p.y - e->at.y, at.z};
+    if (!tz_domain_contains(&f->to->domain, first) || taken(f, at))
+        return TZ_OK;
+    return tz_element_set_place(f->to, f->from, source, at, 0, 1);
+}
+
+/* ---- patches --------------------------------------------------------------------- */
+
+/* Where a patch begins along an axis: anywhere on a torus, else wholly inside if it can
+ * be. */
+static double patch_begin(tz_rng *r, double size, double side, bool torus)
+{
+    const double room = torus ? size : fmax(0, size - side);
+    return tz_rng_unit(r) * room;
+}
+
+static tz_status copy_patch(filler *f, tz_vec2 from_corner, tz_vec2 to_corner, tz_rng *r)
+{
+    const tz_element_set *from = f->from;
+    const tz_vec3 size = from->domain.size;
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < from->element.n && s == TZ_OK; i++) {
+        const tz_vec3 q = from->element.v[i].at;
+        double x = q.x - from_corner.x, y = q.y - from_corner.y;
+        if (from->domain.torus) {
+            x = tz_domain_wrap_axis(x, size.x);
+            y = tz_domain_wrap_axis(y, size.y);
+        }
+        if (x >= 0 && y >= 0 && x < f->side.x && y < f->side.y)
+            s = place(f, i, (tz_vec3){to_corner.x + x, to_corner.y + y, q.z}, r);
+    }
+    return s;
+}
+
+/* What stands beside a cell, as seen from its corner; a random choice if it is much. */
+static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng *r,
+                           beside *out)
+{
+    const int32_t cx = cell % f->nx, cy = cell / f->nx;
+    const tz_domain *d = &f->to->domain;
+    const tz_vec3 middle = {(cx + 0.5) * f->side.x, (cy + 0.5) * f->side.y, 0};
+    int32_t seen = 0;
+    for (int32_t k = 0; k < 9; k++) {
+        int32_t x = cx + k % 3 - 1, y = cy + k / 3 - 1;
+        if (k == 4 || (!d->torus && (x < 0 || y < 0 || x >= f->nx || y >= f->ny)))
+            continue;
+        x = (x + f->nx) % f->nx, y = (y + f->ny) % f->ny;
+        const int32_t c = y * f->nx + x;
+        for (int32_t i = f->begin[c]; i < f->end[c]; i++) {
+            const tz_element *e = &f->to->element.v[i];
+            tz_vec3 v = tz_domain_vector(d, middle, e->at);
+            v.x += 0.5 * f->side.x, v.y += 0.5 * f->side.y;
+            if (v.x < -margin || v.y < -margin || v.x > f->side.x + margin ||
+                v.y > f->side.y + margin)
+                continue;
+            const int32_t at = seen < BAND ? seen : tz_rng_below(r, seen + 1);
+            if (at < BAND)
+                out[at] = (beside){v, e};
+            seen++;
+        }
+    }
+    return seen < BAND ? seen : BAND;
+}
+
+/* Squared distance of orientation and size, as in Eq. (1). Several samples show the
+ * angle even where the class is said to have none. */
+static double unlike(const filler *f, const tz_element *p, const tz_element *q)
+{
+    const double ds = p->radius - q->radius;
+    if (!f->from->kind.v[p->kind].oriented && p->samples == 1)
+        return f->attribute * ds * ds;
+    const double x = p->radius * cos(p->angle) - q->radius * cos(q->angle);
+    const double y = p->radius * sin(p->angle) - q->radius * sin(q->angle);
+    return f->attribute * (x * x + y * y);
+}
+
+/* Mean squared distance from what stands beside the cell to the nearest of its class in
+ * the exemplar about the patch; `limit` is the most that one can add. */
+static double mismatch(const filler *f, tz_vec2 corner, const beside *v, int32_t n,
+                       double limit)
+{
+    const tz_element_set *from = f->from;
+    tz_nearby near[4];
+    double sum = 0;
+    int32_t known = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const tz_vec3 p = {v[i].at.x + corner.x, v[i].at.y + corner.y, 0};
+        if (!tz_domain_contains(&from->domain, p))
+            continue; /* the exemplar does not say */
+        const int32_t m =
+            tz_cells_near(&f->source, f->source_at, p, sqrt(limit), -1, near, 4);
+        double least = limit;
+        for (int32_t k = 0; k < m; k++) {
+            const tz_element *e = &from->element.v[near[k].id];
+            if (e->kind == v[i].element->kind)
+                least = fmin(least, (double)near[k].dist2 + unlike(f, e, v[i].element));
+        }
+        sum += least;
+        known++;
+    }
+    return (sum + 0.25 * limit) / (known + 1); /* to know little is worth little */
+}
+
+/* Corner of a patch that brings a random thing of the exemplar to where one stands. */
+static bool aligned(const filler *f, const beside *v, int32_t n, tz_rng *r,
+                    tz_vec2 *corner)
+{
+    const tz_element_set *from = f->from;
+    const tz_vec3 size = from->domain.size;
+    const double slack = from->domain.torus ? INFINITY : 1e-9 * size.x;
+    const beside *b = &v[tz_rng_below(r, n)];
+    for (int32_t k = 0; k < 24; k++) {
+        const tz_element *e = &from->element.v[tz_rng_below(r, from->element.n)];
+        const tz_vec2 c = {e->at.x - b->at.x, e->at.y - b->at.y};
+        if (e->kind != b->element->kind || c.x < -slack || c.y < -slack ||
+            c.x > size.x - f->side.x + slack || c.y > size.y - f->side.y + slack)
+            continue;
+        *corner = c;
+        return true;
+    }
+    return false;
+}
+
+static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
+{
+    const tz_vec3 size = f->from->domain.size;
+    const double spacing = tz_energy_spacing(f->from), limit = spacing * spacing;
+    tz_rng r = tz_rng_make(p->seed, tz_rng_stream(STREAM_PATCH, (uint64_t)cell, 0));
+    tz_vec2 best = {patch_begin(&r, size.x, f->side.x, f->from->domain.torus),
+                    patch_begin(&r, size.y, f->side.y, f->from->domain.torus)};
+    beside v[BAND];
+    const int32_t n = f->tries > 1 ? look_beside(f, cell, 1.5 * spacing, &r, v) : 0;
+    double least = n > 0 ? mismatch(f, best, v, n, limit) : 0;
+    for (int32_t k = 1; k < f->tries && n > 0; k++) {
+        tz_vec2 corner;
+        if (!aligned(f, v, n, &r, &corner))
+            continue;
+        const double m = mismatch(f, corner, v, n, limit);
+        if (m < least)
+            least = m, best = corner;
+    }
+    const tz_vec2 at = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
+    f->begin[cell] = f->to->element.n;
+    tz_status s = copy_patch(f, best, at, &r);
+    f->end[cell] = f->to->element.n;
+    return s;
+}
+
+/* Cells in rows where each looks at those before it, else in random order. */
+static void order_cells(int32_t *order, int32_t n, bool rows, uint64_t seed)
+{
+    tz_rng r = tz_rng_make(seed, tz_rng_stream(STREAM_PATCH, 0, 1));
+    for (int32_t i = 0; i < n; i++) { /* shuffled as it is filled */
+        const int32_t j = rows ? i : tz_rng_below(&r, i + 1);
+        order[i] = order[j];
+        order[j] = i;
+    }
+}
+
+static tz_status index_exemplar(filler *f)
+{
+    const tz_element_set *from = f->from;
+    const int32_t n = from->element.n;
+    tz_status s = tz_alloc(f->ctx, &f->source_at, (size_t)n, sizeof *f->source_at);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++)
+        f->source_at[i] = from->element.v[i].at;
+    return s == TZ_OK ? tz_cells_fill(f->ctx, &f->source, &from->domain, f->source_at, n,
+                                      tz_energy_spacing(from))
+                      : s;
+}
+
+static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch)
+{
+    const tz_vec3 size = f->to->domain.size, most = f->from->domain.size;
+    /* a patch cannot be larger than what it is cut from */
+    const double nx = fmax(1, fmax(floor(size.x / patch + 0.5), ceil(size.x / most.x)));
+    const double ny = fmax(1, fmax(floor(size.y / patch + 0.5), ceil(size.y / most.y)));
+    int32_t *order = NULL;
+    if (nx * ny > 1e8)
+        return tz_fail(f->ctx, TZ_INVALID,
+                       "patches of %g units make too many cells; take larger ones",
+                       patch);
+    f->side = (tz_vec2){size.x / nx, size.y / ny};
+    f->nx = (int32_t)nx, f->ny = (int32_t)ny;
+    f->tries = p->tries;
+    f->attribute = p->attribute;
+    const int32_t n = f->nx * f->ny;
+    tz_status s = index_exemplar(f);
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &order, (size_t)n, sizeof *order);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(f->ctx, &f->begin, (size_t)n, sizeof *f->begin);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(f->ctx, &f->end, (size_t)n, sizeof *f->end);
+    if (s == TZ_OK)
+        order_cells(order, n, f->tries > 1, p->seed);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++)
+        s = tz_ctx_cancelled(f->ctx) ? TZ_CANCELLED : fill_cell(f, p, order[i]);
+    tz_free(f->ctx, order);
+    return s;
+}
+
+/* ---- white noise ----------------------------------------------------------------- */
+
+static tz_status fill_noise(filler *f, const tz_energy_params *p)
+{
+    const tz_vec3 size = f->to->domain.size;
+    const double spacing = tz_energy_spacing(f->from);
+    const double count = floor(size.x * size.y / (spacing * spacing) + 0.5);
+    tz_status s = TZ_OK;
+    if (count > 1e8)
+        return tz_fail(f->ctx, TZ_INVALID, "%g elements are too many; fill a part",
+                       count);
+    for (int32_t i = 0; i < (int32_t)count && s == TZ_OK; i++) {
+        tz_rng r = tz_rng_make(p->seed, tz_rng_stream(STREAM_NOISE, (uint64_t)i, 0));
+        const int32_t source = tz_rng_below(&r, f->from->element.n);
+        const double x = tz_rng_unit(&r) * size.x, y = tz_rng_unit(&r) * size.y;
+        s = tz_ctx_cancelled(f->ctx)
+                ? TZ_CANCELLED
+                : place(f, source, (tz_vec3){x, y, f->from->element.v[source].at.z}, &r);
+    }
+    return s;
+}
+
+tz_status tz_energy_fill(tz_ctx *ctx, const tz_element_set *exemplar,
+                         const tz_energy_params *p, double patch, tz_element_set *output)
+{
+    filler f = {.ctx = ctx, .from = exemplar, .to = output};
+    tz_status s = keep_fixed(output);
+    if (s != TZ_OK)
+        return s;
+    f.fixed_n = output->element.n;
+    f.apart = 0.6 * tz_energy_spacing(exemplar);
+    if (f.fixed_n > 0) {
+        s = tz_alloc(ctx, &f.fixed_at, (size_t)f.fixed_n, sizeof *f.fixed_at);
+        for (int32_t i = 0; s == TZ_OK && i < f.fixed_n; i++)
+            f.fixed_at[i] = output->element.v[i].at;
+        if (s == TZ_OK)
+            s = tz_cells_fill(ctx, &f.fixed, &output->domain, f.fixed_at, f.fixed_n,
+                              f.apart);
+    }
+    if (s == TZ_OK)
+        s = p->start == TZ_ENERGY_NOISE ? fill_noise(&f, p) : fill_patches(&f, p, patch);
+    tz_cells_free(ctx, &f.fixed);
+    tz_cells_free(ctx, &f.source);
+    tz_free(ctx, f.fixed_at);
+    tz_free(ctx, f.source_at);
+    tz_free(ctx, f.begin);
+    tz_free(ctx, f.end);
+    return s;
+}
