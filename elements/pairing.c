@@ -55,7 +55,7 @@ static float limit_of(const tz_pairing *w, int32_t i)
 }
 
 /* Adds row `start` along the shortest augmenting path (Dijkstra over columns with reduced
-/* Adds row `start` along the shortest augmenting path (Dijkstra over columns with reduced
+ * costs). It ends at a free column or where a row of the path had better stay alone. */
 static void augment(tz_pairing *w, duals *d, int32_t start, int32_t m)
 {
     float dist[TZ_PAIRING_MOST], end = INFINITY;
