@@ -177,14 +177,10 @@ static tz_status edges_or_regions(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return i == 0 ? find_regions(ctx, arg) : find_edges(arg);
 }
 
-static tz_status check(tz_ctx *ctx, const tz_image *photo, const tz_ebpt_params *p)
+static tz_status check(tz_ctx *ctx, const tz_image *photo)
 {
     if (photo->width < 1 || photo->height < 1 || photo->channels < 1)
         return tz_fail(ctx, TZ_INVALID, "analyze: the photo has no pixels");
-    if (p->edges == TZ_EDGES_GRADIENT && p->model[0])
-        return tz_fail(ctx, TZ_INVALID,
-                       "analyze: --edges gradient takes no model; leave --model %s out",
-                       p->model);
     return TZ_OK;
 }
 
@@ -197,7 +193,7 @@ tz_status tz_ebpt_analyze(tz_ctx *ctx, const tz_image *photo,
     tz_status s;
 
     *out = (tz_ebpt){0};
-    if ((s = check(ctx, photo, params)) != TZ_OK)
+    if ((s = check(ctx, photo)) != TZ_OK)
         return s;
     if (params->edges != TZ_EDGES_GRADIENT &&
         (s = tz_forest_of(ctx, params->model, &k.forest)) != TZ_OK)

@@ -34,15 +34,21 @@ static int32_t mirror(int32_t i, int32_t n)
     return i;
 }
 
+/* NaN and what lies below 0 are 0. */
+static float clamp_unit(float v) { return v > 0 ? (v < 1 ? v : 1) : 0; }
+
+/* What cannot be seen is mid-grey. */
 static void pixel(const tz_image *photo, int32_t x, int32_t y, float rgb[3])
 {
     const bool linear = photo->encoding == TZ_ENCODING_LINEAR;
     const float *p =
         tz_image_at(photo, mirror(x, photo->width), mirror(y, photo->height));
+    const float alpha = photo->alpha >= 0 ? clamp_unit(p[photo->alpha]) : 1;
     for (int c = 0; c < 3; c++) {
-        float v = p[photo->channels >= 3 ? c : 0];
-        v = v > 0 ? (v < 1 ? v : 1) : 0; /* NaN too */
+        const float v = clamp_unit(p[photo->channels >= 3 ? c : 0]);
         rgb[c] = linear ? tz_srgb_encode(v) : v;
+        if (alpha < 1)
+            rgb[c] = alpha * rgb[c] + (1 - alpha) * 0.5F;
     }
 }
 
