@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Classes of elements: how near two may come, and how many of each there should be.
+ *
+ * [Dav19] keeps two elements apart by one share of the sum of their radii. That share is
+ * right for one exemplar only: leaves overlap, trees keep their distance, and small
+ * things stand closer to large ones than to each other. Here each pair of classes (kind
+ * and size) keeps the least share that the exemplar shows; the given one serves pairs
+ * that the exemplar never shows side by side. */
+#include <math.h>
+
+#include "elements/growth_internal.h"
+
+enum { LEAST = 4, AXES = 6, FEW = 10 };
+static const float tolerance = 0.97F;
+
+/* The lowest shares seen of a pair of classes. */
+typedef struct lows {
+    int32_t n;
+    float v[LEAST];
+} lows;
+
+static void note(lows *l, float v)
+{
+    int32_t i = l->n < LEAST ? l->n : LEAST;
+    l->n++;
+    for (; i > 0 && l->v[i - 1] > v; i--)
+        if (i < LEAST)
+            l->v[i] = l->v[i - 1];
+    if (i < LEAST)
+        l->v[i] = v;
+}
+
+/* Of many pairs one in a hundred may be an accident. */
+static float low(const lows *l)
+{
+    const int32_t i = l->n / 100;
+    return tolerance * l->v[i < LEAST ? i : LEAST - 1];
+}
+
+static int32_t size_bin(const tz_growth_unit *e, double radius)
+{
+    const double b = floor(log2(e->r / radius) / 0.7 + 0.5);
+    return (int32_t)fmin(fmax(b, -4), 4) + 4;
+}
+
+static int32_t axis_bin(const tz_growth_unit *e)
+{
+    if (e->c2 == 0 && e->s2 == 0)
+        return 0;
+    const double turn = atan2(e->s2, e->c2) / (2 * TZ_PI) + 0.5 + 0.5 / AXES;
+    return 1 + (int32_t)(turn * AXES) % AXES;
+}
+
+/* Number of a key among those met so far; beyond the last all share one. */
+static int32_t number_of(int64_t *key, int32_t *n, int64_t k)
+{
+    for (int32_t i = 0; i < *n; i++)
+        if (key[i] == k)
+            return i;
+    if (*n < TZ_GROWTH_CLASSES)
+        key[(*n)++] = k;
+    return *n - 1;
+}
+
+static void number_all(tz_growth_exemplar *ex)
+{
+    int64_t hard[TZ_GROWTH_CLASSES], class[TZ_GROWTH_CLASSES];
+    double radius = 0;
+    for (int32_t k = 0; k < ex->elements; k++)
+        radius += ex->unit[k].r / ex->elements;
+    for (int32_t k = 0; k < ex->n; k++) {
+        tz_growth_unit *e = &ex->unit[k];
+        const int64_t key = (int64_t)e->kind * 16 + size_bin(e, radius);
+        e->hard = number_of(hard, &ex->hards, key);
+        e->class = number_of(class, &ex->classes, key * 16 + axis_bin(e));
+    }
+}
+
+static void count_all(tz_growth_exemplar *ex)
+{
+    int32_t n = 0;
+    for (int32_t k = 0; k < ex->n; k++)
+        if (ex->unit[k].copied) {
+            ex->frequency[ex->unit[k].class] += 1;
+            n++;
+        }
+    for (int32_t c = 0; c < ex->classes; c++)
+        ex->frequency[c] /= (float)n;
+}
+
+/* The nearest of each class to each unit; all of them to `every`. */
+static void note_all(const tz_growth_exemplar *ex, lows *pair, lows *every)
+{
+    for (int32_t k = 0; k < ex->n; k++) {
+        const tz_growth_unit *e = &ex->unit[k];
+        bool met[TZ_GROWTH_CLASSES] = {false};
+        for (int32_t j = 0; j < e->nears; j++) {
+            const tz_growth_near *o = &ex->near.v[e->near + j];
+            const int32_t hard = ex->unit[o->unit].hard;
+            if (!met[hard]) {
+                const float share = hypotf(o->x, o->y) / (e->r + o->r);
+                note(&pair[e->hard * ex->hards + hard], share);
+                note(every, share);
+            }
+            met[hard] = true;
+        }
+    }
+}
+
+static void set_limits(tz_growth_exemplar *ex, const lows *pair, const lows *every)
+{
+    const int32_t h = ex->hards;
+    for (int32_t i = 0; i < h; i++)
+        for (int32_t j = 0; j < h; j++) {
+            const lows *p = &pair[i * h + j], *q = &pair[j * h + i];
+            float v = (float)ex->overlap;
+            if (p->n && q->n)
+                v = fminf(low(p), low(q));
+            else if (p->n || q->n)
+                v = low(p->n ? p : q);
+            if (p->n + q->n > 0 && p->n + q->n < FEW) /* may come nearer than they do */
+                v = fminf(v, fmaxf((float)ex->overlap, low(every)));
+            ex->limit[i * h + j] = v;
+        }
+}
+
+/* How far from each unit things stand that may collide with what grows around it. */
+static void set_sight(tz_growth_exemplar *ex)
+{
+    float largest[TZ_GROWTH_CLASSES] = {0};
+    for (int32_t k = 0; k < ex->n; k++)
+        largest[ex->unit[k].hard] = fmaxf(largest[ex->unit[k].hard], ex->unit[k].r);
+    for (int32_t k = 0; k < ex->n; k++) {
+        tz_growth_unit *e = &ex->unit[k];
+        e->sight = e->reach;
+        for (int32_t j = 0; j < e->ring; j++) {
+            const tz_growth_near *o = &ex->near.v[e->near + j];
+            const float *limit = &ex->limit[ex->unit[o->unit].hard * ex->hards];
+            for (int32_t h = 0; h < ex->hards; h++)
+                e->sight =
+                    fmaxf(e->sight, o->d + limit[h] * (o->r + largest[h]) - largest[h]);
+        }
+    }
+}
+
+tz_status tz_growth_find_classes(tz_ctx *ctx, tz_growth_exemplar *ex)
+{
+    lows *pair = NULL, every = {0};
+    number_all(ex);
+    const size_t pairs = (size_t)ex->hards * (size_t)ex->hards;
+    tz_status s = tz_alloc_zero(ctx, &pair, pairs, sizeof *pair);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &ex->limit, pairs, sizeof *ex->limit);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &ex->frequency, (size_t)ex->classes,
+                          sizeof *ex->frequency);
+    if (s == TZ_OK) {
+        count_all(ex);
+        note_all(ex, pair, &every);
+        set_limits(ex, pair, &every);
+        set_sight(ex);
+    }
+    tz_free(ctx, pair);
+    return s;
+}

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Parts of region growing that share one state: the prepared exemplar (units), the field
+ * of what has been placed (spots), matching, seeds, optimisation. */
+#ifndef TZ_ELEMENTS_GROWTH_INTERNAL_H
+#define TZ_ELEMENTS_GROWTH_INTERNAL_H
+
+#include "base/rng.h"
+#include "elements/growth.h"
+
+enum {
+    TZ_GROWTH_NEAR = 60,    /* neighbours of a unit at most: bits of a word */
+    TZ_GROWTH_LUT = 32,     /* cells a side of a unit's map of neighbours */
+    TZ_GROWTH_COHERENT = 8, /* similar units kept at most */
+    TZ_GROWTH_SEEN = 160,   /* neighbours of a spot at most */
+    TZ_GROWTH_FREE = 16,    /* free-space points of a unit at most */
+    TZ_GROWTH_CLASSES = 96, /* of collision, and of balance */
+    TZ_GROWTH_BATCH = 48,   /* seeds between two optimisations */
+    TZ_GROWTH_NODES = 2048, /* spots in one local optimisation at most */
+    TZ_GROWTH_EDGES = 65536,
+    TZ_GROWTH_UNITS = 65536 /* elements of an exemplar at most */
+};
+
+/** Neighbour of a unit: offset from it, and what the two need to be compared. */
+typedef struct tz_growth_near {
+    float x, y, d;   /* offset; distance less what it is larger by */
+    float r, c2, s2; /* radius; doubled angle, 0, 0 = not oriented */
+    int32_t kind, unit;
+} tz_growth_near;
+
+/** Element of the exemplar, or a void found in it. */
+typedef struct tz_growth_unit {
+    double x, y;
+    float r, c2, s2;
+    float spacing;             /* mean distance to its first ring */
+    float reach, wide;         /* radius of its neighbourhood, of its first ring */
+    float sight;               /* how far its ring's collisions reach */
+    float half;                /* of the square that its map covers */
+    int32_t kind, hard, class; /* kind; class of collision; class of balance */
+    int32_t near, nears;       /* its neighbours, nearest first */
+    int32_t ring;              /* how many of them are in its first ring */
+    int32_t due, ring_due;     /* neighbours, and first ones, to be had by a copy */
+    int32_t frees;
+    tz_vec2 free[TZ_GROWTH_FREE]; /* free-space points of its first ring */
+    int32_t coherents, coherent[TZ_GROWTH_COHERENT];
+    bool copied; /* not cut: may be placed */
+    bool whole;  /* its neighbourhood lies within the exemplar */
+} tz_growth_unit;
+
+typedef struct tz_growth_exemplar {
+    const tz_element_set *set;
+    int32_t n, elements; /* units; the first `elements` are the set's own */
+    tz_growth_unit *unit;
+    TZ_ARRAY(tz_growth_near)
+    near;
+    uint8_t *lut; /* n maps: index of the nearest neighbour of a unit, 255 = none */
+    bool torus;
+    tz_vec2 lo, hi; /* box of all centres: what lies beyond is not known */
+    double spacing, reach, wide, radius; /* median; the others: largest */
+    float ring_mean;                     /* of units' first rings */
+    double hole; /* radius of the widest empty place, from centres */
+    int32_t hards, classes;
+    float *limit;     /* hards * hards: share of the radii's sum that keeps two apart */
+    float *frequency; /* of a class, sum 1 */
+    double overlap;
+    tz_vec2 size; /* of the exemplar's period, or its domain */
+} tz_growth_exemplar;
+
+/** Element of the output, or a void. */
+typedef struct tz_growth_spot {
+    double x, y;
+    float r, c2, s2;
+    int32_t kind, hard;
+    int32_t match; /* unit whose neighbourhood it has; -1 = an obstacle of unknown kind */
+    int32_t next, cell;    /* in the grid */
+    int32_t out;           /* element of the output, -1 = void */
+    int32_t node;          /* in the running optimisation, -1 = none */
+    int16_t visits, first; /* visits as a seed; neighbours in its first ring */
+    bool queued, waiting, fixed;
+} tz_growth_spot;
+
+/** Spot as seen from a place. */
+typedef struct tz_growth_seen {
+    float x, y;
+    float r, c2, s2;
+    int32_t kind, hard, spot;
+} tz_growth_seen;
+
+typedef struct tz_growth_view {
+    int32_t n;
+    tz_growth_seen v[TZ_GROWTH_SEEN];
+} tz_growth_view;
+
+typedef struct tz_growth_edge {
+    int32_t from, to; /* nodes: position of `to` - position of `from` should be x, y */
+    float x, y, weight;
+} tz_growth_edge;
+
+typedef struct tz_growth_node {
+    int32_t spot;
+    float x, y;        /* shift, in the making */
+    float sx, sy, sum; /* of predictions */
+    float self;        /* weight of where it is */
+} tz_growth_node;
+
+struct tz_growth {
+    tz_ctx *ctx;
+    tz_growth_params params;
+    tz_growth_exemplar ex;
+    tz_element_set *out;
+    TZ_ARRAY(tz_growth_spot)
+    spot;
+    int32_t *head; /* of the grid's cells */
+    int32_t nx, ny;
+    double cell, cell_x, cell_y;
+    int32_t *queue, queue_cap, queue_head, queue_n; /* ring of seeds */
+    int32_t *count;                                 /* by class of balance */
+    int32_t counted;
+    float inner, inner_first; /* spots without room of late, and their first rings */
+    int32_t placed;           /* elements, voids not counted */
+    int32_t round[4 * TZ_GROWTH_BATCH * TZ_GROWTH_FREE], rounds; /* spots of this round */
+    int32_t phase;                     /* of the growth: see growth.c */
+    int32_t filled, started, polished; /* how far the passes over spots and places are */
+    int32_t solved;                    /* spots when everything was solved last */
+    tz_growth_node *node;
+    tz_growth_edge *edge;
+    int32_t nodes, edges;
+};
+
+/* ---- growth_exemplar.c ----------------------------------------------------------- */
+
+tz_status tz_growth_exemplar_init(tz_ctx *ctx, const tz_element_set *set,
+                                  const tz_growth_params *p, tz_growth_exemplar *ex);
+void tz_growth_exemplar_deinit(tz_ctx *ctx, tz_growth_exemplar *ex);
+/** Similar units of all units, by their neighbourhoods. */
+tz_status tz_growth_find_coherent(tz_ctx *ctx, tz_growth_exemplar *ex,
+                                  const tz_growth_params *p);
+/** Free-space points of all units. */
+void tz_growth_find_free(tz_growth_exemplar *ex);
+/** Classes of collision and of balance; what keeps each pair of classes apart. */
+tz_status tz_growth_find_classes(tz_ctx *ctx, tz_growth_exemplar *ex);
+
+/* ---- growth_match.c -------------------------------------------------------------- */
+
+/** What can be seen from x, y within `radius`; `but` is left out at its own place. */
+void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32_t but,
+                    tz_growth_view *view);
+/** Cost of seeing `view` where the neighbourhood of unit `u` should be.
+ * @param[out] used  which neighbours of the unit are paired
+ * @param[out] pair  NULL, or per seen one its neighbour of the unit, -1 = none */
+float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_seen *v,
+                      int32_t n, uint64_t *used, int8_t *pair);
+/** How far away a unit sees something: large things count from nearer. */
+static inline float tz_growth_far(const tz_growth_unit *u, float x, float y, float r)
+{
+    return sqrtf(x * x + y * y) - (r > u->r ? r - u->r : 0);
+}
+/** Neighbour of unit u at an offset, or -1. */
+int32_t tz_growth_at(const tz_growth_exemplar *ex, int32_t u, float x, float y);
+/** Least distance of two spots. */
+float tz_growth_apart(const tz_growth_exemplar *ex, int32_t hard1, float r1,
+                      int32_t hard2, float r2);
+/** The same of all that is seen, and a little more for units at the exemplar's border. */
+float tz_growth_cost(const tz_growth_exemplar *ex, int32_t u, const tz_growth_view *view,
+                     uint64_t *used);
+/** Best of a unit and its coherent ones. */
+int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
+                          const tz_growth_view *view);
+
+/* ---- growth_candidate.c ---------------------------------------------------------- */
+
+/** Grows around one seed. @param loose  takes what fits, however badly
+ * @param[out] grown  how many were placed */
+tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown);
+/** Places a copy of a unit. @param view  what is seen from there, at least first rings */
+tz_status tz_growth_place(tz_growth *g, int32_t unit, double x, double y,
+                          const tz_growth_view *view);
+/** Whether a unit may stand at x, y among what is seen from (ox, oy) = view's centre. */
+bool tz_growth_fits(const tz_growth *g, const tz_growth_unit *u, float dx, float dy,
+                    const tz_growth_view *view);
+/** Room for `more` spots. */
+tz_status tz_growth_reserve(tz_growth *g, int64_t more);
+void tz_growth_enqueue(tz_growth *g, int32_t spot);
+/** Puts a spot into the grid. */
+void tz_growth_link(tz_growth *g, int32_t spot);
+void tz_growth_unlink(tz_growth *g, int32_t spot);
+
+/* ---- growth_optimise.c ----------------------------------------------------------- */
+
+/** Relaxes the spots of the round. */
+void tz_growth_relax(tz_growth *g);
+/** Solves for all positions. */
+tz_status tz_growth_solve(tz_growth *g);
+
+#endif

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What lies around a place of the output, and how well a neighbourhood of the exemplar
+ * fits it.
+ *
+ * [Dav19] Sec. 4 pairs each seen element with the nearest free one of the exemplar's
+ * neighbourhood, by a k-d tree. Here each unit has a small map of its surroundings whose
+ * cells name the nearest neighbour, so that a pair costs one look-up:
+ *
+ *     +--------+      o  unit          cells of the map nearer to a than to
+ *     |aaabbbbb|      a  neighbour 0   any other neighbour hold 0, ...
+ *     |aaaobbbb|      b  neighbour 1
+ *     +--------+
+ *
+ * Pairs farther apart than half the spacing are partial; so are pairs of unlike kinds. */
+#include "elements/growth_internal.h"
+
+/* What an unpaired element costs, in units of the squared limit: where the exemplar shows
+ * that nothing is there, where it shows another kind, and where it ends. */
+static const float cost_stranger = 1, cost_kind = 1.5F, cost_unknown = 0.2F;
+/* A unit whose surroundings the exemplar's border cuts leads nowhere on that side. */
+static const float cost_cut = 0.1F;
+/* Axes at right angles, and radii of which one is thrice the other. */
+static const float cost_axis = 0.5F, cost_size = 1;
+
+/* ---- what is seen ---------------------------------------------------------------- */
+
+static void look_in(const tz_growth *g, int32_t cell, tz_vec2 from, float radius,
+                    int32_t but, tz_growth_view *view)
+{
+    for (int32_t i = g->head[cell]; i >= 0; i = g->spot.v[i].next) {
+        const tz_growth_spot *q = &g->spot.v[i];
+        const float x = (float)(q->x - from.x), y = (float)(q->y - from.y);
+        const float d = radius + q->r;
+        if (x * x + y * y > d * d || view->n == TZ_GROWTH_SEEN ||
+            (i == but && x == 0 && y == 0))
+            continue;
+        view->v[view->n++] =
+            (tz_growth_seen){x, y, q->r, q->c2, q->s2, q->kind, q->hard, i};
+    }
+}
+
+static int32_t wrapped(int32_t c, int32_t n, int32_t *turns)
+{
+    int32_t t = c / n;
+    if (c < 0 && t * n != c)
+        t--;
+    *turns = t;
+    return c - t * n;
+}
+
+static int32_t clamped(double c, int32_t lo, int32_t hi)
+{
+    return c <= lo ? lo : c >= hi ? hi : (int32_t)floor(c);
+}
+
+void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32_t but,
+                    tz_growth_view *view)
+{
+    const bool torus = g->out->domain.torus;
+    const int32_t turns = torus ? 3 : 0; /* copies seen of a domain narrower than that */
+    const double wide = radius + g->ex.radius;
+    const int32_t lo_x = -turns * g->nx, hi_x = (turns + 1) * g->nx - 1;
+    const int32_t lo_y = -turns * g->ny, hi_y = (turns + 1) * g->ny - 1;
+    const int32_t x0 = clamped((x - wide) / g->cell_x, lo_x, hi_x);
+    const int32_t x1 = clamped((x + wide) / g->cell_x, lo_x, hi_x);
+    const int32_t y0 = clamped((y - wide) / g->cell_y, lo_y, hi_y);
+    const int32_t y1 = clamped((y + wide) / g->cell_y, lo_y, hi_y);
+    view->n = 0;
+    for (int32_t cy = y0; cy <= y1; cy++) {
+        int32_t ty, tx;
+        const int32_t row = wrapped(cy, g->ny, &ty) * g->nx;
+        for (int32_t cx = x0; cx <= x1; cx++) {
+            const int32_t cell = row + wrapped(cx, g->nx, &tx);
+            const tz_vec2 from = {x - tx * g->out->domain.size.x,
+                                  y - ty * g->out->domain.size.y};
+            look_in(g, cell, from, (float)radius, but, view);
+        }
+    }
+}
+
+/* ---- how it fits ----------------------------------------------------------------- */
+
+int32_t tz_growth_at(const tz_growth_exemplar *ex, int32_t u, float x, float y)
+{
+    enum { N = TZ_GROWTH_LUT };
+    const tz_growth_unit *e = &ex->unit[u];
+    const float scale = N / (2 * e->half);
+    const float i = (x + e->half) * scale, j = (y + e->half) * scale;
+    if (!(i >= 0 && j >= 0 && i < N && j < N))
+        return -1;
+    const uint8_t at = ex->lut[(size_t)u * N * N + (size_t)(int)j * N + (size_t)(int)i];
+    return at == 255 ? -1 : at;
+}
+
+static bool is_known(const tz_growth_exemplar *ex, const tz_growth_unit *e,
+                     const tz_growth_seen *o)
+{
+    const double x = e->x + o->x, y = e->y + o->y, rim = 0.1 * e->spacing;
+    return ex->torus || (x > ex->lo.x - rim && y > ex->lo.y - rim && x < ex->hi.x + rim &&
+                         y < ex->hi.y + rim);
+}
+
+/* Attributes of a pair: [Dav19]'s omega, in units of the squared limit. */
+static float attributes(const tz_growth_seen *o, const tz_growth_near *c)
+{
+    const float axes =
+        sqrtf((o->c2 * o->c2 + o->s2 * o->s2) * (c->c2 * c->c2 + c->s2 * c->s2));
+    const float sine2 = 0.5F * (axes - o->c2 * c->c2 - o->s2 * c->s2);
+    const float size = (o->r - c->r) / (o->r + c->r);
+    return cost_axis * sine2 + cost_size * size * size;
+}
+
+float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_seen *v,
+                      int32_t n, uint64_t *used, int8_t *pair)
+{
+    const tz_growth_unit *e = &ex->unit[u];
+    const tz_growth_near *near = ex->near.v + e->near;
+    const float limit = 0.25F * e->spacing * e->spacing;
+    uint64_t taken = 0;
+    float cost = 0;
+    int32_t counted = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const tz_growth_seen *o = &v[i];
+        if (pair)
+            pair[i] = -1;
+        if (tz_growth_far(e, o->x, o->y, o->r) > e->reach)
+            continue;
+        counted++;
+        const int32_t j = tz_growth_at(ex, u, o->x, o->y);
+        float dx = 0, dy = 0, d = limit;
+        if (j >= 0 && !(taken >> j & 1))
+            dx = o->x - near[j].x, dy = o->y - near[j].y, d = dx * dx + dy * dy;
+        if (d >= limit)
+            cost += is_known(ex, e, o) ? cost_stranger : cost_unknown;
+        else if (o->kind != near[j].kind)
+            cost += cost_kind;
+        else {
+            cost += d / limit + attributes(o, &near[j]);
+            taken |= (uint64_t)1 << j;
+            if (pair)
+                pair[i] = (int8_t)j;
+        }
+    }
+    *used = taken;
+    return counted ? cost / (float)counted : 0;
+}
+
+float tz_growth_cost(const tz_growth_exemplar *ex, int32_t u, const tz_growth_view *view,
+                     uint64_t *used)
+{
+    return tz_growth_match(ex, u, view->v, view->n, used, NULL) +
+           (ex->unit[u].whole ? 0 : cost_cut);
+}
+
+int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
+                          const tz_growth_view *view)
+{
+    const tz_growth_unit *e = &ex->unit[u];
+    uint64_t used;
+    int32_t best = u;
+    float least = tz_growth_cost(ex, u, view, &used);
+    for (int32_t k = 0; k < e->coherents; k++) {
+        const float c = tz_growth_cost(ex, e->coherent[k], view, &used);
+        if (c < least)
+            least = c, best = e->coherent[k];
+    }
+    return best;
+}
+
+float tz_growth_apart(const tz_growth_exemplar *ex, int32_t hard1, float r1,
+                      int32_t hard2, float r2)
+{
+    const float share = hard1 >= 0 && hard2 >= 0 ? ex->limit[hard1 * ex->hards + hard2]
+                                                 : (float)ex->overlap;
+    return share * (r1 + r2);
+}
