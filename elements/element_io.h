@@ -10,19 +10,28 @@
 
 #include "elements/element.h"
 
+/** All zero: plain domain, automatic classes. */
 typedef struct tz_element_read_options {
     bool wrap;       /**< the document is a tile that repeats: read it as a torus */
     bool wrap_auto;  /**< find out */
     int32_t classes; /**< wanted classes where the document names none; 0 = automatic */
 } tz_element_read_options;
 
-/** @param[out] s  replaced; empty on error; the domain is the viewBox moved to 0, 0
+/** @param options  NULL = all zero
+ * @param[out] s  overwritten, not freed; zeroed on error; the domain is the viewBox moved
+ *   to 0, 0 (one tile, wrapped, where the drawing is a pattern over the whole view)
  * @return TZ_OK; TZ_IO; TZ_FORMAT (line and fault); TZ_INVALID (no elements in it);
  *   TZ_LIMIT (over 2 million elements); TZ_NOMEM
  * @cost O(n log n) */
 TZ_API tz_status tz_element_read_svg(tz_ctx *ctx, const char *path,
                                      const tz_element_read_options *options,
                                      tz_element_set *s);
+
+/** The same of a text in memory; `name` stands for it in messages. A zero byte follows
+ * text[size - 1]. */
+TZ_API tz_status tz_element_parse_svg(tz_ctx *ctx, const char *name, const char *text,
+                                      size_t size, const tz_element_read_options *options,
+                                      tz_element_set *s);
 
 /** Writes symbols and one <use> an element; reading gives the same set, bit for bit, but
  * for outlines, which are made anew. A foreign viewer shows it as it is. */

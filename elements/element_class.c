@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Classes and samples. What the document names keeps its name; the rest is clustered by
+ * colour, shape and (little) size of its symbols. A wanted number of classes is found by
+ * farthest-first seeds and k-means, an unwanted one by leaders: a symbol farther than 1
+ * from every leader so far becomes one. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "elements/element_svg_internal.h"
+
+enum { FEATURES = 6, MOST_CLASSES = 64, MOST_SAMPLES = 9, HEADS = 4096, ROUNDS = 12 };
+
+typedef struct feature {
+    double v[FEATURES];
+    double fullness; /* area over that of the circle */
+    int32_t count;   /* unnamed elements of the symbol */
+    int32_t kind;    /* cluster, then kind */
+} feature;
+
+/* ---- features ---------------------------------------------------------------------- */
+
+static double linear(double c)
+{
+    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+}
+
+/* Oklab: distances in it are about as large as they look. */
+static void to_lab(uint32_t color, double lab[3])
+{
+    const double r = linear((color >> 24) / 255.0),
+                 g = linear((color >> 16 & 255) / 255.0),
+                 b = linear((color >> 8 & 255) / 255.0);
+    const double l = cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+    const double m = cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+    const double s = cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+    lab[0] = 0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s;
+    lab[1] = 1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s;
+    lab[2] = 0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s;
+}
+
+/** Mean colour of a thing, parts weighted by the area of their boxes. */
+static void color_of(const tz_element_reader *r, const tz_thing *t, double lab[3])
+{
+    double sum = 0;
+    lab[0] = lab[1] = lab[2] = 0;
+    for (int32_t i = 0; i < t->items; i++) {
+        const tz_part *p = &r->part.v[r->item.v[t->item + i]];
+        const uint32_t color = p->look.fill & 255 ? p->look.fill : p->look.stroke;
+        const double w = p->look.width + p->box.x1 - p->box.x0,
+                     h = p->look.width + p->box.y1 - p->box.y0, a = w * h + 1e-30;
+        double one[3];
+        to_lab(color, one);
+        for (int k = 0; k < 3; k++)
+            lab[k] += one[k] * a;
+        sum += a;
+    }
+    for (int k = 0; k < 3; k++)
+        lab[k] /= sum > 0 ? sum : 1;
+}
+
+static void describe(const tz_element_reader *r, const tz_thing *t,
+                     const tz_element_symbol *y, double radius, feature *f)
+{
+    const tz_polys polys = {
+        {y->outline.v, y->outline.n, 0}, {y->part.v, y->part.n, 0}, {0}};
+    const tz_moments m = tz_polys_moments(&polys);
+    double lab[3];
+    color_of(r, t, lab);
+    for (int k = 0; k < 3; k++)
+        f->v[k] = lab[k] / 0.1;
+    f->v[3] = log2(fmin(m.aspect, 8)) / 1.5;
+    f->v[4] =
+        m.perimeter > 0 ? 4 * TZ_PI * m.area / (m.perimeter * m.perimeter) / 0.5 : 0;
+    f->v[5] = log2(radius) / 4;
+    f->fullness = m.area / (TZ_PI * y->radius * y->radius);
+}
+
+static double distance(const double *a, const double *b)
+{
+    double d = 0;
+    for (int k = 0; k < FEATURES; k++)
+        d += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(d);
+}
+
+/* ---- clusters ---------------------------------------------------------------------- */
+
+typedef struct clusters {
+    double at[MOST_CLASSES][FEATURES];
+    int32_t n;
+} clusters;
+
+static int32_t nearest(const clusters *c, const double *v, double *d)
+{
+    int32_t best = 0;
+    *d = INFINITY;
+    for (int32_t k = 0; k < c->n; k++) {
+        const double e = distance(c->at[k], v);
+        if (e < *d) {
+            *d = e;
+            best = k;
+        }
+    }
+    return best;
+}
+
+static void add_seed(clusters *c, const feature *f)
+{
+    memcpy(c->at[c->n++], f->v, sizeof f->v);
+}
+
+/** The most frequent symbol first, then always the one farthest from all seeds. */
+static void seed_wanted(clusters *c, const feature *f, int32_t n, int32_t wanted)
+{
+    int32_t pick = -1;
+    for (int32_t i = 0; i < n; i++)
+        if (f[i].count > (pick < 0 ? 0 : f[pick].count))
+            pick = i;
+    while (pick >= 0 && c->n < wanted) {
+        double farthest = 0;
+        add_seed(c, &f[pick]);
+        pick = -1;
+        for (int32_t i = 0; i < n; i++) {
+            double d;
+            if (f[i].count == 0)
+                continue;
+            nearest(c, f[i].v, &d);
+            if (d > farthest) {
+                farthest = d;
+                pick = i;
+            }
+        }
+    }
+}
+
+static void seed_leaders(clusters *c, const feature *f, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        double d;
+        if (f[i].count == 0)
+            continue;
+        nearest(c, f[i].v, &d);
+        if (d > 1 && c->n < MOST_CLASSES)
+            add_seed(c, &f[i]);
+    }
+}
+
+/** Moves each centre to the mean of its symbols; sets f[].kind. */
+static void settle(clusters *c, feature *f, int32_t n)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        double sum[MOST_CLASSES][FEATURES] = {{0}}, weight[MOST_CLASSES] = {0};
+        bool moved = false;
+        for (int32_t i = 0; i < n; i++) {
+            double d;
+            if (f[i].count == 0)
+                continue;
+            const int32_t k = nearest(c, f[i].v, &d);
+            moved = moved || round == 0 || k != f[i].kind;
+            f[i].kind = k;
+            weight[k] += f[i].count;
+            for (int j = 0; j < FEATURES; j++)
+                sum[k][j] += f[i].v[j] * f[i].count;
+        }
+        if (!moved)
+            return;
+        for (int32_t k = 0; k < c->n; k++)
+            for (int j = 0; j < FEATURES && weight[k] > 0; j++)
+                c->at[k][j] = sum[k][j] / weight[k];
+    }
+}
+
+/* ---- names ------------------------------------------------------------------------- */
+
+static tz_status add_kind(tz_element_reader *r, const char *name)
+{
+    tz_element_kind k = {0};
+    tz_status s = tz_strdup(r->ctx, name, &k.name);
+    if (s == TZ_OK)
+        s = tz_array_push(r->ctx, &r->set.kind, k);
+    if (s != TZ_OK)
+        tz_free(r->ctx, k.name);
+    return s;
+}
+
+/** Kinds of the things that have a name; -1 for the others. */
+static tz_status name_kinds(tz_element_reader *r)
+{
+    int32_t head[HEADS];
+    tz_status s = TZ_OK;
+    TZ_ARRAY(int32_t)
+    chain = {0};
+    memset(head, 255, sizeof head);
+    for (int32_t i = 0; i < r->set.element.n && s == TZ_OK; i++) {
+        const char *name = r->thing.v[i].name;
+        uint64_t h = 14695981039346656037u;
+        r->set.element.v[i].kind = -1;
+        if (!name || !*name)
+            continue;
+        for (const char *p = name; *p; p++)
+            h = (h ^ (unsigned char)*p) * 1099511628211u;
+        int32_t *first = &head[(h >> 20) % HEADS], k = *first;
+        while (k >= 0 && strcmp(r->set.kind.v[k].name, name) != 0)
+            k = chain.v[k];
+        if (k < 0) {
+            k = r->set.kind.n;
+            s = tz_array_push(r->ctx, &chain, *first);
+            if (s == TZ_OK)
+                s = add_kind(r, name);
+            *first = k;
+        }
+        r->set.element.v[i].kind = k;
+    }
+    tz_array_free(r->ctx, &chain);
+    return s;
+}
+
+/** Clusters what has no name and appends a kind a cluster that is used. */
+static tz_status cluster(tz_element_reader *r, feature *f)
+{
+    clusters *c = NULL;
+    int32_t kind_of[MOST_CLASSES];
+    const int32_t n = r->set.symbol.n;
+    tz_status s = tz_alloc_zero(r->ctx, &c, 1, sizeof *c);
+    if (s != TZ_OK)
+        return s;
+    if (r->opt.classes > 0)
+        seed_wanted(c, f, n,
+                    r->opt.classes < MOST_CLASSES ? r->opt.classes : MOST_CLASSES);
+    else
+        seed_leaders(c, f, n);
+    settle(c, f, n);
+    memset(kind_of, 255, sizeof kind_of);
+    for (int32_t i = 0, number = 0; i < n && s == TZ_OK; i++) {
+        if (f[i].count == 0)
+            continue;
+        if (kind_of[f[i].kind] < 0) {
+            char name[32];
+            snprintf(name, sizeof name, "class-%d", ++number);
+            kind_of[f[i].kind] = r->set.kind.n;
+            s = add_kind(r, name);
+        }
+        f[i].kind = kind_of[f[i].kind];
+    }
+    tz_free(r->ctx, c);
+    return s;
+}
+
+/** A kind has an axis that matters where most of its elements are far from round. */
+static tz_status orient(tz_element_reader *r, const feature *f)
+{
+    int32_t *votes = NULL;
+    tz_status s = tz_alloc_zero(r->ctx, &votes, (size_t)r->set.kind.n, sizeof *votes);
+    for (int32_t i = 0; i < r->set.element.n && s == TZ_OK; i++) {
+        const tz_element *e = &r->set.element.v[i];
+        votes[e->kind] += f[e->symbol].fullness < 0.75 ? 1 : -1;
+    }
+    for (int32_t k = 0; k < r->set.kind.n && s == TZ_OK; k++)
+        r->set.kind.v[k].oriented = votes[k] > 0;
+    tz_free(r->ctx, votes);
+    return s;
+}
+
+/* ---- samples ----------------------------------------------------------------------- */
+
+typedef struct axis {
+    tz_vec2 at[MOST_SAMPLES];
+    int32_t n;
+} axis;
+
+static tz_status find_axis(tz_element_reader *r, const tz_element_symbol *y, axis *a)
+{
+    const tz_polys polys = {
+        {y->outline.v, y->outline.n, 0}, {y->part.v, y->part.n, 0}, {0}};
+    tz_status s = tz_polys_axis(r->ctx, &polys, MOST_SAMPLES, a->at, &a->n);
+    if (a->n == 1)
+        a->at[0] = (tz_vec2){0, 0}; /* where the element is */
+    return s;
+}
+
+static tz_status sample(tz_element_reader *r)
+{
+    tz_element_set *set = &r->set;
+    axis *of = NULL;
+    tz_status s = tz_alloc_zero(r->ctx, &of, (size_t)set->symbol.n, sizeof *of);
+    for (int32_t i = 0; i < set->symbol.n && s == TZ_OK; i++)
+        s = find_axis(r, &set->symbol.v[i], &of[i]);
+    for (int32_t i = 0; i < set->element.n && s == TZ_OK; i++) {
+        tz_element *e = &set->element.v[i];
+        const axis *a = &of[e->symbol];
+        const double c = cos(e->angle) * e->scale, d = sin(e->angle) * e->scale;
+        e->sample = set->sample.n;
+        e->samples = a->n;
+        s = tz_array_reserve(r->ctx, &set->sample, (int64_t)set->sample.n + a->n);
+        for (int32_t k = 0; k < a->n && s == TZ_OK; k++) {
+            const tz_vec2 p = a->at[k];
+            const tz_vec3 at = {e->at.x + c * p.x - d * p.y, e->at.y + d * p.x + c * p.y,
+                                e->at.z};
+            set->sample.v[set->sample.n++] = (tz_sample){at, k, 1.0 / a->n};
+        }
+    }
+    tz_free(r->ctx, of);
+    return s;
+}
+
+tz_status tz_element_classes(tz_element_reader *r)
+{
+    feature *f = NULL;
+    bool unnamed = false;
+    tz_status s = tz_alloc_zero(r->ctx, &f, (size_t)r->set.symbol.n, sizeof *f);
+    if (s == TZ_OK)
+        s = name_kinds(r);
+    for (int32_t i = 0; i < r->set.element.n && s == TZ_OK; i++) {
+        const tz_element *e = &r->set.element.v[i];
+        feature *g = &f[e->symbol];
+        if (g->fullness == 0)
+            describe(r, &r->thing.v[i], &r->set.symbol.v[e->symbol],
+                     r->set.symbol.v[e->symbol].radius, g);
+        g->count += e->kind < 0;
+        unnamed = unnamed || e->kind < 0;
+    }
+    if (s == TZ_OK && unnamed)
+        s = cluster(r, f);
+    for (int32_t i = 0; i < r->set.element.n && s == TZ_OK; i++)
+        if (r->set.element.v[i].kind < 0)
+            r->set.element.v[i].kind = f[r->set.element.v[i].symbol].kind;
+    if (s == TZ_OK)
+        s = orient(r, f);
+    tz_free(r->ctx, f);
+    return s == TZ_OK ? sample(r) : s;
+}
