@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analysis/forest_scene.h"
 #include "base/rng.h"
+#include "scenes/scene.h"
 
 #define INNER       TZ_FOREST_INNER
 #define CELLS       TZ_PATCH_CELLS

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Draws data/exemplars/: exemplars for places where no photos can be had. They are scenes
- * (analysis/forest_scene.h), so what lies in them is known.
+ * (scenes/scene.h), so what lies in them is known.
  *
  *   draw_exemplars [--size PX] [--truth] FOLDER [KIND SEED]...
  *
@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analysis/forest_scene.h"
 #include "base/image_io.h"
+#include "scenes/scene.h"
 
 static const struct {
     const char *name;

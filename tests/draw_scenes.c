@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "analysis/forest_scene.h"
 #include "base/image_io.h"
+#include "scenes/scene.h"
 
 enum { PAIRS = 4, GAP = 4 };
 

@@ -18,10 +18,11 @@ static const struct {
     {"base", "base"},
     {"elements", "base elements"},
     {"curves", "base elements curves"},
-    {"analysis", "base elements curves analysis"},
-    {"synthesis", "base elements curves analysis synthesis"},
-    {"cli", "base elements curves analysis synthesis cli"},
-    {"viewer", "base elements curves analysis synthesis viewer"},
+    {"scenes", "base scenes"},
+    {"analysis", "base elements curves scenes analysis"},
+    {"synthesis", "base elements curves scenes analysis synthesis"},
+    {"cli", "base elements curves scenes analysis synthesis cli"},
+    {"viewer", "base elements curves scenes analysis synthesis viewer"},
 };
 enum { FOLDERS = sizeof folders / sizeof *folders };
 

@@ -6,7 +6,7 @@
 
 #include "analysis/forest.h"
 #include "analysis/forest_rows.h"
-#include "analysis/forest_scene.h"
+#include "scenes/scene.h"
 #include "tests/analysis/opencv_forest.h"
 
 static char dir[64];

@@ -5,10 +5,10 @@
 
 #include "analysis/boundary_score.h"
 #include "analysis/forest.h"
-#include "analysis/forest_scene.h"
 #include "analysis/forest_train.h"
 #include "analysis/tensor.h"
 #include "base/file.h"
+#include "scenes/scene.h"
 
 static char dir[64];
 

@@ -13,8 +13,8 @@
 #include <dirent.h>
 
 #include "analysis/boundary_score.h"
-#include "analysis/forest_scene.h"
 #include "base/file.h"
+#include "scenes/scene.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/edge_detectors.h"
 #include "tests/bench/truth_svg.h"
