@@ -19,8 +19,9 @@ enum { VISITS = 8 }; /* of a seed at most */
 /* Costs below `noise` are as good as none; below `well` balance does not interfere. */
 static const float noise = 0.01F, well = 0.1F;
 /* Control of density: neighbours that a place must lack for each that others have too
- * many; the error's upper bound; what a seed's figure counts for after the next. */
-static const float density_gain = 2, density_most = 0.6F, density_memory = 0.9999F;
+ * many; the error's bounds; what a seed's figure counts for after the next. */
+static const float density_gain = 2, density_most = 0.6F, density_least = -0.15F;
+static const float density_memory = 0.9999F;
 
 typedef struct choice {
     int32_t unit, n;
@@ -76,12 +77,12 @@ bool tz_growth_fits(const tz_growth *g, const tz_growth_unit *u, float dx, float
  * all lack many, and would pay for a crowd behind it. */
 static const float credit = -0.5F;
 
-/* By how many neighbours a spot the output is denser than the exemplar, of late. Units of
- * dense places are matched more often than they should be, for want of a better fit. */
+/* By how many neighbours a spot the output is denser than the exemplar. Units of dense
+ * places are matched more often than they should be, for want of a better fit. */
 static float density_error(const tz_growth *g)
 {
-    const float first = g->inner_first / fmaxf(1, g->inner);
-    return g->inner < 32 ? 0 : fminf(density_most, fmaxf(0, first - g->ex.ring_mean));
+    const float error = g->inner_first / fmaxf(1, g->inner) - g->ex.ring_mean;
+    return g->inner < 32 ? 0 : fminf(density_most, fmaxf(density_least, error));
 }
 
 /* The same for a class of which there is too much; not where the unit fits well. */
@@ -200,7 +201,20 @@ static int32_t missing(const tz_growth_unit *u, const tz_growth_view *view)
     return u->due - n < u->ring_due - first ? u->due - n : u->ring_due - first;
 }
 
-/* Neighbours of the unit's first ring that nothing is paired with and that have room. */
+/* Appends neighbour j if nothing is paired with it and it has room. */
+static void list_one(const tz_growth *g, const tz_growth_spot *q,
+                     const tz_growth_view *view, int32_t j, choice *c)
+{
+    const tz_growth_near *o = &g->ex.near.v[g->ex.unit[c->unit].near + j];
+    const tz_growth_unit *e = &g->ex.unit[o->unit];
+    const tz_vec3 p = {q->x + o->x, q->y + o->y, 0};
+    if (e->copied && tz_domain_contains(&g->out->domain, p) &&
+        tz_growth_fits(g, e, o->x, o->y, view))
+        c->near[c->n++] = (int8_t)j;
+}
+
+/* What the unit has and the output has not, in its first ring; of things larger than it
+ * in the whole neighbourhood, and these first: later they would not find room. */
 static int32_t list_new(const tz_growth *g, const tz_growth_spot *q, uint64_t used,
                         const tz_growth_view *view, choice *c)
 {
@@ -208,27 +222,28 @@ static int32_t list_new(const tz_growth *g, const tz_growth_spot *q, uint64_t us
     const tz_growth_near *near = g->ex.near.v + u->near;
     const int32_t most = missing(u, view);
     c->n = 0;
-    for (int32_t j = 0; j < u->ring && c->n < most; j++) {
-        const tz_growth_unit *e = &g->ex.unit[near[j].unit];
-        const tz_vec3 p = {q->x + near[j].x, q->y + near[j].y, 0};
-        if (!(used >> j & 1) && e->copied && tz_domain_contains(&g->out->domain, p) &&
-            tz_growth_fits(g, e, near[j].x, near[j].y, view))
-            c->near[c->n++] = (int8_t)j;
-    }
+    if (most <= 0)
+        return 0;
+    for (int32_t j = 0; j < u->nears && u->larger; j++)
+        if (!(used >> j & 1) && tz_growth_is_larger(&near[j], u))
+            list_one(g, q, view, j, c);
+    for (int32_t j = 0; j < u->ring && c->n < most; j++)
+        if (!(used >> j & 1) && !tz_growth_is_larger(&near[j], u))
+            list_one(g, q, view, j, c);
     return c->n;
 }
 
-/* How much too many the output has of the classes that a choice would add. */
-static float excess(const tz_growth *g, const choice *c)
+/* What the output has of the rarest class that a choice would add, over what is due. */
+static float rarity(const tz_growth *g, const choice *c)
 {
     const tz_growth_near *near = g->ex.near.v + g->ex.unit[c->unit].near;
-    float sum = 0;
+    float least = INFINITY;
     for (int32_t k = 0; k < c->n; k++) {
         const int32_t class = g->ex.unit[near[c->near[k]].unit].class;
         const float due = g->ex.frequency[class] * (float)(g->counted + 1);
-        sum += ((float)g->count[class] + 2) / (due + 2);
+        least = fminf(least, ((float)g->count[class] + 2) / (due + 2));
     }
-    return sum / (float)c->n;
+    return least;
 }
 
 /* The best unit that has something to add; false if none passes the test. */
@@ -249,14 +264,22 @@ static bool choose(const tz_growth *g, const tz_growth_spot *q,
     float score = INFINITY;
     for (int32_t k = 0; k < n; k++) {
         choice c = {.unit = unit[k], .cost = cost[k]};
-        if ((!loose && cost[k] > least * (float)g->params.ratio) ||
-            !list_new(g, q, used[k], view, &c))
+        if (!list_new(g, q, used[k], view, &c))
             continue;
-        const float value = cost[k] * powf(excess(g, &c), 4 * (float)g->params.balance);
+        const float value = cost[k] * powf(rarity(g, &c), 8 * (float)g->params.balance);
+        if (!loose && value > least * (float)g->params.ratio)
+            continue;
         if (value < score)
             score = value, *best = c;
     }
     return score < INFINITY;
+}
+
+/* The seed has all it will get, for now. */
+static void note_inner(tz_growth *g, const tz_growth_spot *q)
+{
+    g->inner = density_memory * g->inner + 1;
+    g->inner_first = density_memory * g->inner_first + q->first;
 }
 
 tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown)
@@ -269,12 +292,12 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown
     q->visits++;
     tz_growth_look(g, q->x, q->y, u->sight, seed, &view);
     if (!has_room(g, q, &view)) {
-        g->inner = density_memory * g->inner + 1;
-        g->inner_first = density_memory * g->inner_first + q->first;
+        note_inner(g, q);
         return TZ_OK;
     }
     if (!choose(g, q, &view, loose, &c)) {
         q->waiting = true;
+        note_inner(g, q);
         return TZ_OK;
     }
     const tz_growth_near *near = g->ex.near.v + g->ex.unit[c.unit].near;
@@ -296,7 +319,7 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown
     }
     q = &g->spot.v[seed];
     if (!*grown)
-        q->waiting = true;
+        q->waiting = true, note_inner(g, q);
     else if (q->visits < VISITS)
         tz_growth_enqueue(g, seed); /* there may be room for another unit's neighbours */
     return TZ_OK;

@@ -4,13 +4,12 @@
  * [Dav19] keeps two elements apart by one share of the sum of their radii. That share is
  * right for one exemplar only: leaves overlap, trees keep their distance, and small
  * things stand closer to large ones than to each other. Here each pair of classes (kind
- * and size) keeps the least share that the exemplar shows; the given one serves pairs
- * that the exemplar never shows side by side. */
+ * and size) keeps the least share that the exemplar shows. */
 #include <math.h>
 
 #include "elements/growth_internal.h"
 
-enum { LEAST = 4, AXES = 6, FEW = 10 };
+enum { LEAST = 4, AXES = 6, FEW = 10, EXPECTED = 6 };
 static const float tolerance = 0.97F;
 
 /* The lowest shares seen of a pair of classes. */
@@ -18,6 +17,11 @@ typedef struct lows {
     int32_t n;
     float v[LEAST];
 } lows;
+
+/* Sums over a class. */
+typedef struct tally {
+    float n, wide, radius;
+} tally;
 
 static void note(lows *l, float v)
 {
@@ -107,17 +111,35 @@ static void note_all(const tz_growth_exemplar *ex, lows *pair, lows *every)
     }
 }
 
+/* Share that keeps two classes apart that are never seen side by side. If many pairs were
+ * to be expected by chance they avoid each other, and stay out of first rings. */
+static float avoidance(const tz_growth_exemplar *ex, const tally *a, const tally *b)
+{
+    const float pairs = a->n * b->n / (float)ex->n * ex->ring_mean;
+    const float wide = fminf(a->wide / a->n, b->wide / b->n);
+    const float radii = a->radius / a->n + b->radius / b->n;
+    return pairs < EXPECTED ? (float)ex->overlap
+                            : fmaxf((float)ex->overlap, tolerance * wide / radii);
+}
+
 static void set_limits(tz_growth_exemplar *ex, const lows *pair, const lows *every)
 {
     const int32_t h = ex->hards;
+    tally sum[TZ_GROWTH_CLASSES] = {{0, 0, 0}};
+    for (int32_t k = 0; k < ex->n; k++) {
+        tally *t = &sum[ex->unit[k].hard];
+        t->n += 1, t->wide += ex->unit[k].wide, t->radius += ex->unit[k].r;
+    }
     for (int32_t i = 0; i < h; i++)
         for (int32_t j = 0; j < h; j++) {
             const lows *p = &pair[i * h + j], *q = &pair[j * h + i];
-            float v = (float)ex->overlap;
+            float v;
             if (p->n && q->n)
                 v = fminf(low(p), low(q));
             else if (p->n || q->n)
                 v = low(p->n ? p : q);
+            else
+                v = avoidance(ex, &sum[i], &sum[j]);
             if (p->n + q->n > 0 && p->n + q->n < FEW) /* may come nearer than they do */
                 v = fminf(v, fmaxf((float)ex->overlap, low(every)));
             ex->limit[i * h + j] = v;
@@ -133,12 +155,15 @@ static void set_sight(tz_growth_exemplar *ex)
     for (int32_t k = 0; k < ex->n; k++) {
         tz_growth_unit *e = &ex->unit[k];
         e->sight = e->reach;
-        for (int32_t j = 0; j < e->ring; j++) {
+        for (int32_t j = 0; j < (e->larger ? e->nears : e->ring); j++) {
             const tz_growth_near *o = &ex->near.v[e->near + j];
+            const float d = hypotf(o->x, o->y);
+            if (j >= e->ring && !tz_growth_is_larger(o, e))
+                continue;
             const float *limit = &ex->limit[ex->unit[o->unit].hard * ex->hards];
             for (int32_t h = 0; h < ex->hards; h++)
                 e->sight =
-                    fmaxf(e->sight, o->d + limit[h] * (o->r + largest[h]) - largest[h]);
+                    fmaxf(e->sight, d + limit[h] * (o->r + largest[h]) - largest[h]);
         }
     }
 }

@@ -7,8 +7,8 @@
  * rings + 0.3 spacings (18 neighbours in a hexagonal lattice at two rings, 20 in a square
  * one), and a place farther than 0.85 spacings from everything holds a void. A void is
  * grown like an element, so that empty room gets its share of the output, and then left
- * out. Where all elements are about as large one spacing serves all; where they are not,
- * each keeps its own. */
+ * out. One spacing, the median, serves all elements of about the usual size; much larger
+ * and much smaller ones keep their own. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -139,8 +139,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static tz_status quantiles(tz_ctx *ctx, const tz_growth_exemplar *ex, bool radii,
-                           float *low, float *middle, float *high)
+static tz_status median(tz_ctx *ctx, const tz_growth_exemplar *ex, bool radii,
+                        float *middle)
 {
     float *v = NULL;
     const tz_status s = tz_alloc(ctx, &v, (size_t)ex->n, sizeof *v);
@@ -149,9 +149,7 @@ static tz_status quantiles(tz_ctx *ctx, const tz_growth_exemplar *ex, bool radii
     for (int32_t k = 0; k < ex->n; k++)
         v[k] = radii ? ex->unit[k].r : ex->unit[k].spacing;
     qsort(v, (size_t)ex->n, sizeof *v, by_value);
-    *low = v[ex->n / 10];
     *middle = v[ex->n / 2];
-    *high = v[(int64_t)ex->n * 9 / 10];
     tz_free(ctx, v);
     return TZ_OK;
 }
@@ -166,7 +164,7 @@ static bool well_inside(const tz_growth_exemplar *ex, const tz_growth_unit *e, d
 static tz_status measure(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c)
 {
     const double mean = sqrt(ex->size.x * ex->size.y / ex->n);
-    float low, middle, high, r10, r50, r90;
+    float middle, radius;
     for (int32_t k = 0; k < ex->n; k++) {
         int32_t id[4 * FIRST], n = 0;
         float d2[4 * FIRST], sum = 0;
@@ -176,16 +174,16 @@ static tz_status measure(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c)
                 sum += sqrtf(d2[i]), n++;
         ex->unit[k].spacing = n ? sum / (float)n : (float)mean;
     }
-    tz_status s = quantiles(ctx, ex, false, &low, &middle, &high);
+    tz_status s = median(ctx, ex, false, &middle);
     if (s == TZ_OK)
-        s = quantiles(ctx, ex, true, &r10, &r50, &r90);
+        s = median(ctx, ex, true, &radius);
     if (s != TZ_OK)
         return s;
-    const bool mixed = r90 > 1.8F * r10;
     ex->spacing = middle;
     for (int32_t k = 0; k < ex->n; k++) {
         tz_growth_unit *e = &ex->unit[k];
-        if (!mixed || !well_inside(ex, e, e->spacing))
+        const bool usual = e->r < 1.5F * radius && 1.5F * e->r > radius;
+        if (usual || !well_inside(ex, e, e->spacing))
             e->spacing = middle; /* a border shows half of the first ring only */
         e->spacing = fminf(fmaxf(e->spacing, 0.5F * middle), 2.5F * middle);
     }
@@ -353,6 +351,7 @@ static tz_status set_near(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c, i
         half = fmaxf(half, fmaxf(fabsf(v[i].x), fabsf(v[i].y)));
         s = tz_array_push(ctx, &ex->near, v[i]);
         e->ring += v[i].d <= e->wide;
+        e->larger = e->larger || tz_growth_is_larger(&v[i], e);
     }
     e->half = half + 0.5F * e->spacing;
     e->whole = well_inside(ex, e, 0.9 * e->reach);

@@ -43,6 +43,7 @@ typedef struct tz_growth_unit {
     int32_t frees;
     tz_vec2 free[TZ_GROWTH_FREE]; /* free-space points of its first ring */
     int32_t coherents, coherent[TZ_GROWTH_COHERENT];
+    bool larger; /* there are larger things in its neighbourhood */
     bool copied; /* not cut: may be placed */
     bool whole;  /* its neighbourhood lies within the exemplar */
 } tz_growth_unit;
@@ -154,6 +155,11 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
 static inline float tz_growth_far(const tz_growth_unit *u, float x, float y, float r)
 {
     return sqrtf(x * x + y * y) - (r > u->r ? r - u->r : 0);
+}
+/** Whether a neighbour is so large that it needs its place before others take it. */
+static inline bool tz_growth_is_larger(const tz_growth_near *o, const tz_growth_unit *u)
+{
+    return o->r > 1.5F * u->r;
 }
 /** Neighbour of unit u at an offset, or -1. */
 int32_t tz_growth_at(const tz_growth_exemplar *ex, int32_t u, float x, float y);

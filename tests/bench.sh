@@ -4,8 +4,8 @@
 #
 #   tests/bench.sh BUILDDIR [SECTION...]
 #
-# Sections: analyze, edges, render, arrange, expand, scores, others (layout documents, the
-# measures themselves); huge (32,768 x 32,768 px, writes some
+# Sections: analyze, edges, render, arrange, expand, scores, elements, others (layout
+# documents, the measures themselves); huge (32,768 x 32,768 px, writes some
 # 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
 # BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
 # those of TZ_PHOTOS (a folder), else ../shared/exemplars/photos beside the repository, else
@@ -16,7 +16,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
 shift
 sections=("$@")
-[ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores others)
+[ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores elements others)
 terrazzo=$build/bin/terrazzo
 tools=$build/tests
 out=$build/bench
@@ -306,6 +306,18 @@ bench_others() {
         >"$out/others.json"
 }
 
+bench_elements() {
+    title "elements: region growing to 10,000, one core (goal: 100,000 elements/s at 2 rings, local)"
+    "$tools/bench_elements" >"$out/lines" || return 1
+    awk 'BEGIN { printf "  %-11s %8s %5s %8s %9s %9s %11s\n", "exemplar", "elements", "rings",
+               "optimise", "grown", "begin ms", "elements/s" }
+         { printf "  %-11s %8d %5d %8s %9d %9.1f %11d%s\n", $2, $3, $4, $5, $6, 1000 * $7, $9,
+               ($2 == "hexagonal" && $5 == "local" ? ($9 >= 100000 ? " met" : " MISSED") : "") }' \
+        "$out/lines"
+    rows elements exemplar sources rings optimise grown begin seconds rate \
+        < <(cut -d' ' -f2- "$out/lines")
+}
+
 bench_huge() {
     title "huge: 32,768 x 32,768 px (goal: compute under 60 s, under 1 GiB resident)"
     local p free run null
@@ -340,14 +352,14 @@ line=$(machine)
 echo "bench: $line"
 for section in "${sections[@]}"; do
     case $section in
-    analyze | edges | render | arrange | expand | scores | others | huge)
+    analyze | edges | render | arrange | expand | scores | elements | others | huge)
         "bench_$section" || { echo "  $section failed"; failed=1; } ;;
     *) echo "bench: no section $section" >&2; exit 2 ;;
     esac
 done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
-    for section in analyze edges render arrange expand scores others huge; do
+    for section in analyze edges render arrange expand scores elements others huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'
