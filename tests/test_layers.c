@@ -126,11 +126,11 @@ static void tests_include_from_the_root(void **state)
 {
     (void)state;
     static const char *const all =
-        "base elements curves analysis synthesis cli viewer tests";
+        "base elements curves scenes analysis synthesis cli viewer tests";
     static const char *const dirs[] = {
-        "tests",        "tests/base",     "tests/elements",
-        "tests/curves", "tests/analysis", "tests/synthesis",
-        "tests/cli",    "tests/fuzz",     "tests/bench"};
+        "tests",        "tests/base",     "tests/elements",  "tests/curves",
+        "tests/scenes", "tests/analysis", "tests/synthesis", "tests/cli",
+        "tests/fuzz",   "tests/bench"};
     int files = 0, bad = 0;
     for (size_t i = 0; i < sizeof dirs / sizeof *dirs; i++)
         bad += check_folder(dirs[i], all, &files);

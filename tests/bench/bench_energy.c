@@ -4,8 +4,8 @@
  * memory, and the least squares alone beside CHOLMOD's on the same equations.
  * @source [Ma11] Sec. 6.2: 5 s an iteration at 1,000 elements */
 #include "base/lsq.h"
-#include "bench.h"
 #include "elements/energy_internal.h"
+#include "tests/bench/bench.h"
 #include "tests/elements/patterns.h"
 
 typedef struct clock_hook {
