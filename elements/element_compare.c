@@ -42,9 +42,16 @@ static double correlations_apart(const tz_statistics *p, const tz_statistics *q)
     return weights > 0 ? sum / weights : 0;
 }
 
+/* What everything is measured by, the halves too. */
+typedef struct scale {
+    double spacing;
+    double reach; /* of pair correlations */
+    int32_t near; /* most neighbours that a neighbourhood can be asked to have */
+} scale;
+
 /* How p differs from what it should be like, q. */
-static tz_status compare(const tz_field *p, const tz_field *q, double spacing,
-                         double reach, differences *d)
+static tz_status compare(const tz_field *p, const tz_field *q, const scale *c,
+                         differences *d)
 {
     tz_statistics a, b;
     *d = (differences){0};
@@ -52,19 +59,20 @@ static tz_status compare(const tz_field *p, const tz_field *q, double spacing,
         *d = (differences){1, 1, 1, 1, {1, 1, 1}};
         return TZ_OK;
     }
-    tz_status s = tz_statistics_of(p, spacing, reach, &a);
+    tz_status s = tz_statistics_of(p, c->spacing, c->reach, &a);
     if (s == TZ_OK)
-        s = tz_statistics_of(q, spacing, reach, &b);
+        s = tz_statistics_of(q, c->spacing, c->reach, &b);
     if (s != TZ_OK)
         return s;
     d->nearest = apart(a.nearest, b.nearest, TZ_STATISTICS_QUANTILES) /
-                 (TZ_STATISTICS_QUANTILES * spacing);
+                 (TZ_STATISTICS_QUANTILES * c->spacing);
     d->correlation = correlations_apart(&a, &b);
     d->classes = apart(a.share, b.share, TZ_STATISTICS_CLASSES) / 2;
     d->orientation = apart(a.turn, b.turn, TZ_STATISTICS_TURNS) / 2;
     for (int k = 0; k < RINGS && s == TZ_OK; k++) {
-        s = tz_field_distance(p, q, spacing, near_of_ring[k], &d->distance[k]);
-        d->distance[k] /= spacing;
+        const int32_t near = near_of_ring[k] < c->near ? near_of_ring[k] : c->near;
+        s = tz_field_distance(p, q, c->spacing, near, &d->distance[k]);
+        d->distance[k] /= c->spacing;
     }
     return s;
 }
@@ -79,8 +87,8 @@ static void add(differences *sum, const differences *d, double share)
         sum->distance[k] += share * d->distance[k];
 }
 
-static tz_status compare_halves(tz_ctx *ctx, const tz_element_set *s, double spacing,
-                                double reach, differences *out)
+static tz_status compare_halves(tz_ctx *ctx, const tz_element_set *s, const scale *c,
+                                differences *out)
 {
     static const tz_vec2 from[4] = {{0, 0}, {0.5, 0}, {0, 0}, {0, 0.5}};
     static const tz_vec2 to[4] = {{0.5, 1}, {1, 1}, {1, 0.5}, {1, 1}};
@@ -91,7 +99,7 @@ static tz_status compare_halves(tz_ctx *ctx, const tz_element_set *s, double spa
         st = tz_field_init(ctx, &half[k], s, from[k], to[k]);
     for (int k = 0; k < 4 && st == TZ_OK; k++) {
         differences d;
-        st = compare(&half[k], &half[k ^ 1], spacing, reach, &d);
+        st = compare(&half[k], &half[k ^ 1], c, &d);
         add(out, &d, 0.25);
     }
     for (int k = 0; k < 4; k++)
@@ -163,9 +171,13 @@ tz_status tz_element_compare(tz_ctx *ctx, const tz_element_set *exemplar,
         return s;
     const tz_vec3 a = exemplar->domain.size, b = layout->domain.size;
     const double spacing = sqrt(a.x * a.y / exemplar->element.n);
-    /* pairs as far apart as all domains, and the halves, can hold */
-    const double reach =
-        fmin(4 * spacing, 0.45 * fmin(fmin(0.5 * a.x, 0.5 * a.y), fmin(b.x, b.y)));
+    const int32_t quarter = exemplar->element.n / 4;
+    const scale c = {.spacing = spacing,
+                     /* as far apart as all domains, and the halves, can hold */
+                     .reach = fmin(4 * spacing, 0.45 * fmin(fmin(0.5 * a.x, 0.5 * a.y),
+                                                            fmin(b.x, b.y))),
+                     /* half of what a half holds: larger ones would be mostly cut */
+                     .near = quarter > 1 ? quarter : 1};
     const tz_vec2 zero = {0, 0}, one = {1, 1};
     tz_field e = {0}, l = {0};
     differences found, own;
@@ -174,9 +186,9 @@ tz_status tz_element_compare(tz_ctx *ctx, const tz_element_set *exemplar,
     if (s == TZ_OK)
         s = tz_field_init(ctx, &l, layout, zero, one);
     if (s == TZ_OK)
-        s = compare_halves(ctx, exemplar, spacing, reach, &own);
+        s = compare_halves(ctx, exemplar, &c, &own);
     if (s == TZ_OK)
-        s = compare(&l, &e, spacing, reach, &found);
+        s = compare(&l, &e, &c, &found);
     if (s == TZ_OK)
         s = tz_field_overlaps(&e, &v.overlaps[0]);
     if (s == TZ_OK)

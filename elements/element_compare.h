@@ -23,8 +23,9 @@ typedef struct tz_element_likeness {
     double distance[3]; /**< mean neighbourhood distance itself, [Dav19] Eq. (5) */
 } tz_element_likeness;
 
-/** Neighbourhoods are of 6, 18 and 36 neighbours and measured from 256 elements of the
- * layout to 512 of the exemplar; pairs from 4,096. Elements that stand for empty room
+/** Neighbourhoods are of 6, 18 and 36 neighbours, but no more than a quarter of the
+ * exemplar, and measured from 256 elements of the layout to 512 of the exemplar; pairs
+ * from 4,096. Elements that stand for empty room
  * count as a class, but neither in density nor as obstacles.
  * @param[out] out  untouched on error
  * @return TZ_OK; TZ_INVALID (too few elements to have statistics); TZ_NOMEM;

@@ -225,8 +225,32 @@ static bool aligned(const filler *f, const beside *v, int32_t n, tz_rng *r,
     return false;
 }
 
-static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
+/* What fits best is often what is dense, since dense patches have something near
+ * everything: the more elements there are too many (or few), the more a patch that adds
+ * to that costs. In shares, so that 0 = as the exemplar. */
+static double surplus(const filler *f, tz_vec2 corner, int32_t cells_before)
 {
+    const tz_vec3 size = f->from->domain.size;
+    const double n = f->from->element.n;
+    const double average = n * f->side.x * f->side.y / (size.x * size.y);
+    const double excess = f->to->element.n - f->fixed_n - average * cells_before;
+    int32_t here = 0;
+    for (int32_t i = 0; i < f->from->element.n; i++) {
+        double x = f->source_at[i].x - corner.x, y = f->source_at[i].y - corner.y;
+        if (f->from->domain.torus) {
+            x = tz_domain_wrap_axis(x, size.x);
+            y = tz_domain_wrap_axis(y, size.y);
+        }
+        here += x >= 0 && y >= 0 && x < f->side.x && y < f->side.y;
+    }
+    /* the first cells say little */
+    return excess / (average * (cells_before + 10)) * (here - average) / average;
+}
+
+static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell,
+                           int32_t before)
+{
+    const double push = 1; /* of `surplus` against misfit */
     const tz_vec3 size = f->from->domain.size;
     const double spacing = tz_energy_spacing(f->from), limit = spacing * spacing;
     tz_rng r = tz_rng_make(p->seed, tz_rng_stream(STREAM_PATCH, (uint64_t)cell, 0));
@@ -234,12 +258,15 @@ static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
                     patch_begin(&r, size.y, f->side.y, f->from->domain.torus)};
     beside v[BAND];
     const int32_t n = f->tries > 1 ? look_beside(f, cell, 1.5 * spacing, &r, v) : 0;
-    double least = n > 0 ? mismatch(f, best, v, n, limit) : 0;
+    double least =
+        n > 0 ? mismatch(f, best, v, n, limit) + push * limit * surplus(f, best, before)
+              : 0;
     for (int32_t k = 1; k < f->tries && n > 0; k++) {
         tz_vec2 corner;
         if (!aligned(f, v, n, &r, &corner))
             continue;
-        const double m = mismatch(f, corner, v, n, limit);
+        const double m =
+            mismatch(f, corner, v, n, limit) + push * limit * surplus(f, corner, before);
         if (m < least)
             least = m, best = corner;
     }
@@ -299,7 +326,7 @@ static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch
     if (s == TZ_OK)
         order_cells(order, n, f->tries > 1, p->seed);
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
-        s = tz_ctx_cancelled(f->ctx) ? TZ_CANCELLED : fill_cell(f, p, order[i]);
+        s = tz_ctx_cancelled(f->ctx) ? TZ_CANCELLED : fill_cell(f, p, order[i], i);
     tz_free(f->ctx, order);
     return s;
 }
