@@ -80,16 +80,26 @@ void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32
 
 /* ---- how it fits ----------------------------------------------------------------- */
 
-int32_t tz_growth_at(const tz_growth_exemplar *ex, int32_t u, float x, float y)
+/* The map's entry at an offset; `scale` cells make a unit of length. */
+static int32_t entry(const uint8_t *lut, float half, float scale, float x, float y)
 {
     enum { N = TZ_GROWTH_LUT };
-    const tz_growth_unit *e = &ex->unit[u];
-    const float scale = N / (2 * e->half);
-    const float i = (x + e->half) * scale, j = (y + e->half) * scale;
+    const float i = (x + half) * scale, j = (y + half) * scale;
     if (!(i >= 0 && j >= 0 && i < N && j < N))
         return -1;
-    const uint8_t at = ex->lut[(size_t)u * N * N + (size_t)(int)j * N + (size_t)(int)i];
+    const uint8_t at = lut[(size_t)(int)j * N + (size_t)(int)i];
     return at == 255 ? -1 : at;
+}
+
+static const uint8_t *map_of(const tz_growth_exemplar *ex, int32_t u)
+{
+    return ex->lut + (size_t)u * TZ_GROWTH_LUT * TZ_GROWTH_LUT;
+}
+
+int32_t tz_growth_at(const tz_growth_exemplar *ex, int32_t u, float x, float y)
+{
+    const float half = ex->unit[u].half;
+    return entry(map_of(ex, u), half, TZ_GROWTH_LUT / (2 * half), x, y);
 }
 
 static bool is_known(const tz_growth_exemplar *ex, const tz_growth_unit *e,
@@ -115,7 +125,9 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
 {
     const tz_growth_unit *e = &ex->unit[u];
     const tz_growth_near *near = ex->near.v + e->near;
-    const float limit = 0.25F * e->spacing * e->spacing;
+    const uint8_t *lut = map_of(ex, u);
+    const float scale = TZ_GROWTH_LUT / (2 * e->half);
+    const float limit = 0.25F * e->spacing * e->spacing, part = 1 / limit;
     uint64_t taken = 0;
     float cost = 0;
     int32_t counted = 0;
@@ -123,10 +135,11 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
         const tz_growth_seen *o = &v[i];
         if (pair)
             pair[i] = -1;
-        if (tz_growth_far(e, o->x, o->y, o->r) > e->reach)
+        const float reach = e->reach + (o->r > e->r ? o->r - e->r : 0);
+        if (o->x * o->x + o->y * o->y > reach * reach)
             continue;
         counted++;
-        const int32_t j = tz_growth_at(ex, u, o->x, o->y);
+        const int32_t j = entry(lut, e->half, scale, o->x, o->y);
         float dx = 0, dy = 0, d = limit;
         if (j >= 0 && !(taken >> j & 1))
             dx = o->x - near[j].x, dy = o->y - near[j].y, d = dx * dx + dy * dy;
@@ -135,7 +148,7 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
         else if (o->kind != near[j].kind)
             cost += cost_kind;
         else {
-            cost += d / limit + attributes(o, &near[j]);
+            cost += d * part + attributes(o, &near[j]);
             taken |= (uint64_t)1 << j;
             if (pair)
                 pair[i] = (int8_t)j;

@@ -4,9 +4,10 @@
  *
  * @source [Dav19] Sec. 5.2, 5.3, Eq. (4). Each round moves what it has placed and the
  * seeds that it grew from; their neighbours pull, and move little. Deviates: the local
- * system is solved by a few Jacobi sweeps, not factorised. An own position's weight of
- * 0.5 a prediction makes it so diagonally dominant that SWEEPS of them agree with the
- * factorised solution to about a hundredth of the spacing, and they cost some hundred
+ * system is solved by a few Jacobi sweeps, not factorised. An own weight of half a
+ * prediction makes it so diagonally dominant that after SWEEPS of them positions are
+ * within 0.7 % of the spacing (root mean square; 4 % at most) of the exact solution, on
+ * jittered, random and mosaic exemplars where moves are 3 to 5 %; they cost some hundred
  * operations a spot. The global system goes to CHOLMOD. Moves that would bring two
  * elements nearer than the exemplar's are halved, then dropped. */
 #include <math.h>
