@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Everything about the exemplar that the search asks for again and again: neighbourhoods
  * of all samples and, for each, which others are most alike (the k-coherence sets). */
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -213,6 +214,7 @@ static void describe(const tz_energy_exemplar *x, int32_t k, float *d)
 static void insert_similar(int32_t *id, float *cost, int32_t k, int32_t other, float c)
 {
     int32_t i = k - 1;
+    assert(k > 0);
     if (!(c < cost[i]))
         return;
     for (; i > 0 && c < cost[i - 1]; i--)

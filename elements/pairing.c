@@ -7,6 +7,7 @@
  *   linear assignment problems, Computing 38, 1987 */
 #include "elements/pairing.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -119,11 +120,13 @@ float tz_pairing_best(tz_pairing *w, const tz_pairing_side *p, const tz_pairing_
     duals d;
     int32_t lost[TZ_PAIRING_MOST], losers = 0;
     float bound = 0;
+    assert(p->n <= TZ_PAIRING_MOST && q->n <= TZ_PAIRING_MOST);
     for (int32_t j = 0; j < q->n; j++)
         d.row[j] = -1, d.v[j] = 0;
     for (int32_t i = 0; i < p->n; i++) {
         const int32_t j = fill_row(w, p, i, q, w->cost[i]);
         const float limit = limit_of(w, i);
+        assert(j < q->n);
         const bool pair = j >= 0 && w->cost[i][j] < limit;
         bound += d.u[i] = pair ? w->cost[i][j] : limit;
         if (bound >= enough)

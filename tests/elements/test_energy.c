@@ -526,6 +526,47 @@ static void test_frame(void **state)
     end_ctx(ctx);
 }
 
+static double left_half(void *user, tz_vec3 at)
+{
+    (void)user;
+    return at.x < 75;
+}
+
+/* How many neighbours the matches would put where nothing should be. */
+static int32_t count_outside(const tz_energy_state *t)
+{
+    int32_t n = 0;
+    for (int32_t o = 0; o < t->n; o++)
+        for (int32_t j = 0; t->match[o] >= 0 && j < t->x->inner[t->match[o]]; j++) {
+            const tz_pairing_side *s = &t->x->side[t->match[o]];
+            const tz_vec3 p = {t->at[o].x + (double)s->x[j], t->at[o].y + (double)s->y[j],
+                               0};
+            n += t->hook ? !(p.x < 75) : !tz_domain_contains(&t->set->domain, p);
+        }
+    return n;
+}
+
+/* Eq. (6): the exemplar's border is favoured at the output's, and at that of a shape. */
+static void test_border(void **state)
+{
+    (void)state;
+    const tz_energy_hook hook = {.inside = left_half};
+    for (int shape = 0; shape < 2; shape++) {
+        bench b;
+        double e[2];
+        begin(&b, PATTERN_JITTER, (tz_domain){{150, 130, 0}, false});
+        b.t.hook = shape ? &hook : NULL;
+        b.t.border = 0;
+        ok(b.ctx, tz_energy_search(&b.t, 0, &e[0]));
+        const int32_t before = count_outside(&b.t);
+        b.t.border = 1;
+        ok(b.ctx, tz_energy_search(&b.t, 0, &e[1]));
+        assert_true(count_outside(&b.t) < 0.8 * before);
+        assert_true(e[1] > e[0]); /* at the price of likeness */
+        end(&b);
+    }
+}
+
 typedef struct calls {
     tz_ctx *ctx;
     int n, stop, cancel;
@@ -756,6 +797,7 @@ int main(void)
         cmocka_unit_test(test_attributes),
         cmocka_unit_test(test_several_samples),
         cmocka_unit_test(test_frame),
+        cmocka_unit_test(test_border),
         cmocka_unit_test(test_after_and_cancel),
         cmocka_unit_test(test_odd_sizes),
         cmocka_unit_test(test_heap_of_points),
