@@ -53,7 +53,8 @@ typedef struct tz_energy_hook {
  *                source, angle and size within their class; those of several are moved
  *                and turned as their samples are, which may leave them a little bent
  * @param hook    NULL = none
- * @param[out] energy  NULL, or iterations + 1 values of Eq. (2), before and after each
+ * @param[out] energy  NULL, or iterations + 1 values of Eq. (2) with the term of Eq. (6),
+ *                before and after each
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED; on all but TZ_INVALID the output is
  *   whole, as the last finished step left it
  * @cost an iteration O(elements * neighbours^2) */

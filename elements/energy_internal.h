@@ -79,7 +79,7 @@ typedef struct tz_energy_state {
     float *weight;
     bool weighted;  /**< some weight is not 1 */
     int32_t *match; /**< exemplar sample, or -1 */
-    double *cost;   /**< Eq. (1) of each match */
+    double *cost;   /**< Eq. (1) and (6) of each match */
     int32_t *count; /**< neighbours of each */
     int32_t *near;  /**< TZ_ENERGY_NEAR a sample, rising numbers */
     int32_t *pair;  /**< exemplar sample that pairs with this neighbour, or -1 */

@@ -44,7 +44,6 @@ typedef struct quest {
     scratch *w;
     int32_t o, best;
     double cost; /* of the best, with the term of Eq. (6) */
-    double pure; /* without */
     tz_vec2 q;   /* attributes of the centre */
     double frame;
     bool border; /* Eq. (6) matters here */
@@ -165,8 +164,7 @@ static void try_candidate(quest *k, int32_t e)
     if (!isfinite(c) || !(own + extra + (double)c < k->cost))
         return;
     k->best = e;
-    k->pure = own + (double)c;
-    k->cost = k->pure + extra;
+    k->cost = own + (double)c + extra;
     memcpy(w->best_to, w->pairing.to, (size_t)w->side.n * sizeof *w->best_to);
 }
 
@@ -249,7 +247,7 @@ static void search_one(tz_energy_state *t, scratch *w, search_job *job, int32_t 
     if (t->label[o] >= 0)
         try_all(&k, job->round);
     job->match[o] = k.best;
-    t->cost[o] = k.best < 0 ? 0 : k.pure * (double)t->weight[o];
+    t->cost[o] = k.best < 0 ? 0 : k.cost * (double)t->weight[o];
     keep_pairs(&k);
 }
 
