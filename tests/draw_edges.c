@@ -20,7 +20,7 @@ static const struct {
     const char *family, *title;
     float threshold;
 } detector[] = {
-    {"forest", "forest", 0.55F},
+    {"forest", "forest", 0.30F},
     {"gradient", "gradient", 0.16F},
     {"canny", "Canny", 0.50F},
     {"edge-drawing", "EdgeDrawing", 0.43F},

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tests/bench/edge_detectors.h"
 
-#include <math.h>
-
 #include "analysis/boundary_score.h"
 #include "analysis/edges.h"
 #include "analysis/forest.h"
@@ -56,14 +54,6 @@ done:
     return s;
 }
 
-/* Where the whole forest is unsure its answers are weak, most of them below the third of
- * the 33 thresholds; roots of them are spread over all. */
-static void spread(float *response, size_t n)
-{
-    for (size_t p = 0; p < n; p++)
-        response[p] = sqrtf(response[p]);
-}
-
 static tz_status detect_forest(tz_ctx *ctx, const edge_input *in, double setting,
                                float *strength, double *seconds)
 {
@@ -79,7 +69,6 @@ static tz_status detect_forest(tz_ctx *ctx, const edge_input *in, double setting
     const double start = bench_now();
     s = tz_forest_response(ctx, in->photo, forest, r, r + n);
     *seconds = bench_now() - start;
-    spread(r, n);
     if (s == TZ_OK)
         s = finish(ctx, in, r, 1, strength);
     tz_free(ctx, r);
@@ -96,7 +85,6 @@ static tz_status detect_forest_cv(tz_ctx *ctx, const edge_input *in, double sett
     if (s != TZ_OK)
         return s;
     s = rival_forest(ctx, &in->dense, in->model, r, seconds);
-    spread(r, n);
     if (s == TZ_OK)
         s = finish(ctx, in, r, 1, strength);
     tz_free(ctx, r);
