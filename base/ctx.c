@@ -158,7 +158,7 @@ tz_status tz_ctx_keep(tz_ctx *ctx, const char *name,
             s = tz_fail(ctx, TZ_NOMEM, "out of memory");
         }
     }
-    if (s == TZ_OK)
+    if (k)
         *out = k->thing;
     pthread_mutex_unlock(&ctx->kept_lock);
     return s;
