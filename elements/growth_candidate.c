@@ -21,6 +21,8 @@ static const float noise = 0.01F, well = 0.1F;
 /* Control of density: neighbours that a place must lack for each that others have too
  * many; the error's bounds; what a seed's figure counts for after the next. */
 static const float density_gain = 2, density_most = 0.6F, density_least = -0.15F;
+/* Cost of a verbatim copy: a step beyond its length, and at most. */
+static const float weary = 0.1F, weary_most = 0.4F;
 static const float density_memory = 0.9999F;
 
 typedef struct choice {
@@ -246,6 +248,15 @@ static float rarity(const tz_growth *g, const choice *c)
     return least;
 }
 
+/* An exemplar that wraps could be copied without end, tile by tile: its own continuation
+ * fits best. After a third of its width that begins to cost, until another place of the
+ * exemplar, if any fits as well as it costs, takes over. */
+static float weariness(const tz_growth *g, const tz_growth_spot *q)
+{
+    const float most = 0.33F * sqrtf((float)g->ex.n);
+    return g->ex.torus ? fminf(weary_most, weary * fmaxf(0, (float)q->run - most)) : 0;
+}
+
 /* The best unit that has something to add; false if none passes the test. */
 static bool choose(const tz_growth *g, const tz_growth_spot *q,
                    const tz_growth_view *view, bool loose, choice *best)
@@ -259,6 +270,8 @@ static bool choose(const tz_growth *g, const tz_growth_spot *q,
         unit[n++] = m->coherent[k];
     for (int32_t k = 0; k < n; k++) {
         cost[k] = noise + tz_growth_cost(&g->ex, unit[k], view, &used[k]);
+        if (k == 0)
+            cost[k] += weariness(g, q);
         least = fminf(least, cost[k]);
     }
     float score = INFINITY;
@@ -302,7 +315,9 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown
     }
     const tz_growth_near *near = g->ex.near.v + g->ex.unit[c.unit].near;
     const double x = q->x, y = q->y;
+    q->run = c.unit == q->match ? q->run : 0;
     q->match = c.unit;
+    const int16_t run = q->run;
     for (int32_t k = 0; k < c.n; k++) {
         const tz_growth_near *e = &near[c.near[k]];
         const tz_growth_unit *eu = &g->ex.unit[e->unit];
@@ -315,6 +330,7 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown
         const tz_status s = tz_growth_place(g, e->unit, x + e->x, y + e->y, &there);
         if (s != TZ_OK)
             return s;
+        g->spot.v[g->spot.n - 1].run = (int16_t)(run < 30000 ? run + 1 : run);
         ++*grown;
     }
     q = &g->spot.v[seed];

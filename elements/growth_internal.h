@@ -77,6 +77,7 @@ typedef struct tz_growth_spot {
     int32_t out;           /* element of the output, -1 = void */
     int32_t node;          /* in the running optimisation, -1 = none */
     int16_t visits, first; /* visits as a seed; neighbours in its first ring */
+    int16_t run; /* steps since the growth last left one place of the exemplar */
     bool queued, waiting, fixed;
 } tz_growth_spot;
 

@@ -191,6 +191,31 @@ static void test_darts(void **state)
     end_ctx(ctx);
 }
 
+/* An exemplar that wraps is not laid side by side as it is. */
+static void test_no_tiles(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(1);
+    tz_element_set ex, out;
+    const tz_growth_params p = params();
+    int32_t repeated = 0, of = 0;
+    ok(ctx, drawn_darts(ctx, 150, 8, 300, 1, true, &ex));
+    grow(ctx, &ex, &p, 600, 450, false, &out);
+    for (int32_t i = 0; i < out.element.n; i++) {
+        const tz_element *e = &out.element.v[i];
+        of += e->at.x < 450;
+        for (int32_t j = 0; j < out.element.n && e->at.x < 450; j++) {
+            const tz_element *o = &out.element.v[j];
+            repeated += o->source == e->source &&
+                        hypot(o->at.x - e->at.x - 150, o->at.y - e->at.y) < 1;
+        }
+    }
+    assert_true(repeated < 0.1 * of);
+    tz_element_set_deinit(&ex);
+    tz_element_set_deinit(&out);
+    end_ctx(ctx);
+}
+
 static void test_mixed_sizes(void **state)
 {
     (void)state;
@@ -484,14 +509,14 @@ static void test_out_of_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hexagons),      cmocka_unit_test(test_squares),
-        cmocka_unit_test(test_darts),         cmocka_unit_test(test_mixed_sizes),
-        cmocka_unit_test(test_orientations),  cmocka_unit_test(test_few),
-        cmocka_unit_test(test_bad),           cmocka_unit_test(test_tiny_domain),
-        cmocka_unit_test(test_torus_seam),    cmocka_unit_test(test_fixed),
-        cmocka_unit_test(test_voids),         cmocka_unit_test(test_most),
-        cmocka_unit_test(test_same_bytes),    cmocka_unit_test(test_cancel),
-        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_hexagons),    cmocka_unit_test(test_squares),
+        cmocka_unit_test(test_darts),       cmocka_unit_test(test_no_tiles),
+        cmocka_unit_test(test_mixed_sizes), cmocka_unit_test(test_orientations),
+        cmocka_unit_test(test_few),         cmocka_unit_test(test_bad),
+        cmocka_unit_test(test_tiny_domain), cmocka_unit_test(test_torus_seam),
+        cmocka_unit_test(test_fixed),       cmocka_unit_test(test_voids),
+        cmocka_unit_test(test_most),        cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_cancel),      cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
