@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 
 #include "base/alloc.h"
+#include "base/module.h"
 
 static void first_message_stays(void **state)
 {
@@ -213,6 +214,71 @@ static void budget_holds(void **state)
     end_ctx(ctx);
 }
 
+static int made, dropped;
+
+static tz_status make_number(tz_ctx *ctx, const char *name, void **out)
+{
+    made++;
+    if (strcmp(name, "bad") == 0)
+        return tz_fail(ctx, TZ_INVALID, "bad: no such thing");
+    return tz_alloc_zero(ctx, out, 1, sizeof(tz_ctx *));
+}
+
+static void drop_number(void *thing)
+{
+    dropped++;
+    tz_free(*(tz_ctx **)thing, thing);
+}
+
+static tz_status keep_one(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    void **seen = arg, *thing = NULL;
+    (void)worker;
+    const tz_status s = tz_ctx_keep(ctx, "good", make_number, drop_number, &thing);
+    if (s == TZ_OK) {
+        *(tz_ctx **)thing = ctx;
+        seen[i] = thing;
+    }
+    return s;
+}
+
+/* Made once whoever asks, tried again after a failure, dropped with the context. */
+static void things_are_kept(void **state)
+{
+    (void)state;
+    void *seen[64] = {0}, *other = NULL;
+    tz_ctx *ctx = new_ctx(8);
+    made = dropped = 0;
+    ok(ctx, tz_parallel_for(ctx, 64, keep_one, seen));
+    for (int i = 0; i < 64; i++)
+        assert_ptr_equal(seen[i], seen[0]);
+    assert_int_equal(made, 1);
+    for (int i = 0; i < 2; i++) {
+        fails(ctx, tz_ctx_keep(ctx, "bad", make_number, drop_number, &other), TZ_INVALID,
+              "bad");
+        assert_null(other);
+    }
+    assert_int_equal(made, 3);
+    tz_ctx_drop_kept(ctx);
+    assert_int_equal(dropped, 1);
+    ok(ctx, keep_one(ctx, seen, 0, 0));
+    assert_int_equal(made, 4);
+    end_ctx(ctx);
+    assert_int_equal(dropped, 2);
+}
+
+static void shipped_files_are_found(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(1);
+    char *path = NULL;
+    ok(ctx, tz_module_data(ctx, "edge-forest.yml.gz", &path));
+    assert_int_equal(access(path, R_OK), 0);
+    tz_free(ctx, path);
+    fails(ctx, tz_module_data(ctx, "nothing.xyz", &path), TZ_IO, "nothing.xyz");
+    end_ctx(ctx);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +290,8 @@ int main(void)
         cmocka_unit_test(cancel_stops_loops),
         cmocka_unit_test(progress_is_told),
         cmocka_unit_test(budget_holds),
+        cmocka_unit_test(things_are_kept),
+        cmocka_unit_test(shipped_files_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
