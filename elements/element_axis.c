@@ -148,6 +148,30 @@ static bool draw(raster *r, const tz_polys *p)
     return true;
 }
 
+/* Uphill in depth, no farther than `limit`: a way between corners starts at a corner. */
+static tz_vec2 climb(const raster *r, tz_vec2 p, double limit)
+{
+    const int32_t w = r->w;
+    const int32_t step[8] = {-1, 1, -w, w, -w - 1, -w + 1, w - 1, w + 1};
+    const tz_vec2 start = p;
+    int32_t at = (int32_t)((p.y - r->origin.y) / r->cell) * w +
+                 (int32_t)((p.x - r->origin.x) / r->cell);
+    for (bool moved = true; moved;) {
+        int32_t best = at;
+        for (int k = 0; k < 8; k++) {
+            const tz_vec2 q = centre_of(r, at + step[k]);
+            if (r->depth[at + step[k]] > r->depth[best] &&
+                hypot(q.x - start.x, q.y - start.y) <= limit)
+                best = at + step[k];
+        }
+        moved = best != at;
+        at = best;
+        if (moved)
+            p = centre_of(r, at);
+    }
+    return p;
+}
+
 /* Points spaced evenly along the way that ends at `end`, half a width from both ends. */
 static void space_out(const raster *r, int32_t end, double length, double width,
                       int32_t n, tz_vec2 *out)
@@ -169,28 +193,41 @@ static void space_out(const raster *r, int32_t end, double length, double width,
     }
     while (k < n)
         out[k++] = p;
+    for (k = 0; k < n; k++)
+        out[k] = climb(r, out[k], fmin(0.75 * width, gap / 2));
 }
 
-static double length_of(const raster *r, int32_t end, double *depth)
+static double length_of(const raster *r, int32_t end)
 {
-    double length = 0;
-    int32_t cells = 0;
-    *depth = 0;
-    for (int32_t at = end; at >= 0; at = r->from[at]) {
-        const tz_vec2 p = centre_of(r, at);
-        const tz_vec2 q = r->from[at] >= 0 ? centre_of(r, r->from[at]) : p;
+    double length = r->cell;
+    for (int32_t at = end; r->from[at] >= 0; at = r->from[at]) {
+        const tz_vec2 p = centre_of(r, at), q = centre_of(r, r->from[at]);
         length += hypot(q.x - p.x, q.y - p.y);
-        *depth += r->depth[at];
-        cells++;
     }
-    *depth *= r->cell / 3 / cells;
-    return length + r->cell;
+    return length;
+}
+
+/* Share of the shape that lies in the discs about the way, each as large as the depth. */
+static double share_covered(const raster *r, int32_t end)
+{
+    int32_t all = 0, covered = 0;
+    for (int32_t i = 0; i < r->w * r->h; i++) {
+        bool in = false;
+        if (!r->mask[i])
+            continue;
+        for (int32_t at = end; at >= 0 && !in; at = r->from[at]) {
+            const double x = i % r->w - at % r->w, y = i / r->w - at / r->w;
+            in = hypot(x, y) <= r->depth[at] / 3.0 + 0.7;
+        }
+        all++;
+        covered += in;
+    }
+    return (double)covered / all;
 }
 
 static int32_t find(raster *r, const tz_polys *p, int32_t most, tz_vec2 *out)
 {
     int32_t cells = 0, inside = 0, any = -1, reached;
-    double depth;
     if (!draw(r, p))
         return 1;
     for (int32_t i = 0; i < r->w * r->h; i++) {
@@ -215,9 +252,9 @@ static int32_t find(raster *r, const tz_polys *p, int32_t most, tz_vec2 *out)
     for (int32_t i = 0; i < r->w * r->h; i++)
         deepest = r->depth[i] > deepest ? r->depth[i] : deepest;
     ways(r, a, deepest, &reached);
-    const double length = length_of(r, b, &depth);
-    if (2 * depth * length < 0.6 * area)
+    if (share_covered(r, b) < 0.75)
         return 1; /* branches */
+    const double length = length_of(r, b);
     int32_t n = 1 + (int32_t)(x / 1.5 + 0.5);
     n = n > most ? most : n;
     space_out(r, b, length, area / length, n, out);

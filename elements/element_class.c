@@ -280,6 +280,15 @@ static tz_status find_axis(tz_element_reader *r, const tz_element_symbol *y, axi
     return s;
 }
 
+/** Sample k of n, at p of the symbol. */
+static tz_sample sample_at(const tz_element *e, tz_vec2 p, double c, double d, int32_t k,
+                           int32_t n)
+{
+    const tz_vec3 at = {e->at.x + c * p.x - d * p.y, e->at.y + d * p.x + c * p.y,
+                        e->at.z};
+    return (tz_sample){at, k, 1.0 / n};
+}
+
 static tz_status sample(tz_element_reader *r)
 {
     tz_element_set *set = &r->set;
@@ -293,13 +302,9 @@ static tz_status sample(tz_element_reader *r)
         const double c = cos(e->angle) * e->scale, d = sin(e->angle) * e->scale;
         e->sample = set->sample.n;
         e->samples = a->n;
-        s = tz_array_reserve(r->ctx, &set->sample, (int64_t)set->sample.n + a->n);
-        for (int32_t k = 0; k < a->n && s == TZ_OK; k++) {
-            const tz_vec2 p = a->at[k];
-            const tz_vec3 at = {e->at.x + c * p.x - d * p.y, e->at.y + d * p.x + c * p.y,
-                                e->at.z};
-            set->sample.v[set->sample.n++] = (tz_sample){at, k, 1.0 / a->n};
-        }
+        for (int32_t k = 0; k < a->n && s == TZ_OK; k++)
+            s = tz_array_push(r->ctx, &set->sample,
+                              sample_at(e, a->at[k], c, d, k, a->n));
     }
     tz_free(r->ctx, of);
     return s;

@@ -107,25 +107,34 @@ static void put_path(text *t, const tz_element_reader *r, const tz_part *p, tz_a
 }
 
 /* A circle stays one under turns, shifts and equal scales. */
-static bool put_circle(text *t, const tz_element_reader *r, const tz_part *p,
-                       tz_affine map)
+bool tz_part_circle(const tz_element_reader *r, const tz_part *p, tz_affine map,
+                    tz_vec2 *centre, double *radius)
 {
     const tz_vec2 *v = r->point.v + p->point;
     if (!p->round || p->points != 13)
         return false;
     const tz_vec2 a = tz_affine_apply(map, v[0]), b = tz_affine_apply(map, v[3]),
                   c = tz_affine_apply(map, v[6]);
-    const tz_vec2 o = {(a.x + c.x) / 2, (a.y + c.y) / 2};
-    const tz_vec2 x = tz_vec2_sub(a, o), y = tz_vec2_sub(b, o);
-    const double l = tz_vec2_length(x);
-    if (fabs(tz_vec2_length(y) - l) > 1e-6 * l || fabs(tz_vec2_dot(x, y)) > 1e-6 * l * l)
+    *centre = (tz_vec2){(a.x + c.x) / 2, (a.y + c.y) / 2};
+    const tz_vec2 x = tz_vec2_sub(a, *centre), y = tz_vec2_sub(b, *centre);
+    const double l = *radius = tz_vec2_length(x);
+    return fabs(tz_vec2_length(y) - l) <= 1e-6 * l &&
+           fabs(tz_vec2_dot(x, y)) <= 1e-6 * l * l;
+}
+
+static bool put_circle(text *t, const tz_element_reader *r, const tz_part *p,
+                       tz_affine map)
+{
+    tz_vec2 o;
+    double radius;
+    if (!tz_part_circle(r, p, map, &o, &radius))
         return false;
     put(t, "<circle");
     if (rint(o.x * t->per_unit) != 0)
         put_attr_number(t, "cx", o.x);
     if (rint(o.y * t->per_unit) != 0)
         put_attr_number(t, "cy", o.y);
-    put_attr_number(t, "r", l);
+    put_attr_number(t, "r", radius);
     return true;
 }
 

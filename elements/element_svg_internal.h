@@ -139,6 +139,9 @@ void tz_forest_join(int32_t *up, int32_t i, int32_t j);
 tz_status tz_element_symbols(tz_element_reader *r, int32_t first);
 
 /* element_markup.c */
+/** Whether the part is a circle after the map. */
+bool tz_part_circle(const tz_element_reader *r, const tz_part *p, tz_affine map,
+                    tz_vec2 *centre, double *radius);
 /** Markup of parts, moved by `map` and then drawn at scale 1; digits by `radius`. */
 tz_status tz_element_markup(tz_element_reader *r, const int32_t *item, int32_t items,
                             tz_affine map, double radius, char **out);

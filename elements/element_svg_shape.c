@@ -212,6 +212,23 @@ static bool shows(const tz_part *p)
     return p->look.stroke & 255 ? w > 0 || h > 0 : w > 0 && h > 0;
 }
 
+/* Whether all points lie on a line: there is nothing to fill. */
+static bool is_straight(const tz_vec2 *v, int32_t n)
+{
+    tz_vec2 d = {0, 0};
+    for (int32_t i = 1; i < n; i++) {
+        const tz_vec2 e = tz_vec2_sub(v[i], v[0]);
+        if (tz_vec2_dot(e, e) > tz_vec2_dot(d, d))
+            d = e;
+    }
+    for (int32_t i = 1; i < n; i++) {
+        const tz_vec2 e = tz_vec2_sub(v[i], v[0]);
+        if (fabs(d.x * e.y - d.y * e.x) > 1e-9 * tz_vec2_dot(d, d))
+            return false;
+    }
+    return true;
+}
+
 tz_status tz_part_add(tz_element_reader *r, tz_svg_node n, const tz_style *style,
                       tz_affine map, bool owned)
 {
@@ -241,6 +258,8 @@ tz_status tz_part_add(tz_element_reader *r, tz_svg_node n, const tz_style *style
     part.points = r->point.n - part.point;
     for (int32_t i = part.point; i < r->point.n; i++)
         tz_box_add(&part.box, r->point.v[i]);
+    if (is_straight(r->point.v + part.point, part.points))
+        part.look.fill = part.look.rule = 0;
     const double scale = sqrt(fabs(tz_affine_det(map)));
     part.look.width *= scale;
     if (s == TZ_OK && part.points > 0 &&

@@ -6,7 +6,7 @@
  * the target's own frame. Shapes that are drawn out are compared by their control points:
  * those of q = z p + t (complex numbers, z = scale and turn) in the least-squares sense
  * share the symbol of the first. Candidates come from a hash of what a similarity leaves
- * unchanged: verbs, paint, and three weighted means of the points' distances from their
+ * unchanged: verbs, paint, the distances of a few points from their
  * centre. A symbol's own x axis lies along the long axis of its shape if it has one, so
  * that angles of different leaves compare. */
 #include <assert.h>
@@ -18,14 +18,18 @@
 #include "elements/element_color.h"
 #include "elements/element_svg_internal.h"
 
-#define SAME 0.01 /* of the radius: points that far apart are one */
-#define CELL 0.02 /* of the hash, in units of a mean distance */
+#define SAME 0.01         /* of the radius: points that far apart are one */
+#define NEAR (1.5 * SAME) /* so far apart may their distances from the centre be */
+#define CELL (4 * NEAR)   /* of the hash */
+
+enum { KEYS = 5 }; /* distances of four points, width of the pen */
 
 /* What a symbol was made of: to compare others with. */
 typedef struct proto {
     uint64_t key;   /* of verbs and paint, or of target and rest */
     double rest[4]; /* N, uses */
-    double mean[3]; /* of distances, shapes */
+    tz_vec2 middle; /* of its points, and their spread */
+    double spread;
     int32_t item, items;
     tz_vec2 centre; /* of its circle, in the space of its parts (after N) */
     double angle;   /* of the symbol's x axis there */
@@ -39,7 +43,7 @@ typedef struct work {
     proto;
     int32_t *head;
     uint32_t cells; /* power of two */
-    tz_polys polys, outer;
+    tz_polys polys;
     TZ_ARRAY(tz_vec2)
     p;
     TZ_ARRAY(tz_vec2)
@@ -66,9 +70,15 @@ static tz_status measure(work *w, const tz_thing *t, tz_affine map, tz_vec2 *cen
                           &w->polys);
     if (s != TZ_OK || w->polys.point.n == 0)
         return s;
-    *radius = tz_smallest_circle(r->ctx, w->polys.point.v, w->polys.point.n, centre);
-    if (*radius < 0)
-        return TZ_NOMEM;
+    const tz_part *only = &r->part.v[r->item.v[t->item]];
+    if (t->items == 1 && tz_part_circle(r, only, map, centre, radius)) {
+        if (!(only->look.fill & 255))
+            *radius += only->look.width * scale / 2;
+    } else {
+        *radius = tz_smallest_circle(r->ctx, w->polys.point.v, w->polys.point.n, centre);
+        if (*radius < 0)
+            return TZ_NOMEM;
+    }
     double pen = 0;
     for (int32_t i = 0; i < t->items; i++)
         pen = fmax(pen, tz_part_pen(&r->part.v[r->item.v[t->item + i]]) * scale);
@@ -277,48 +287,63 @@ static void gather(const tz_element_reader *r, int32_t item, int32_t items, tz_v
     }
 }
 
-static void describe(const points *p, double mean[3])
+/** The points of a thing: where they lie, or gathered in `room`. */
+static const tz_vec2 *points_of(const work *w, int32_t item, int32_t items, tz_vec2 *room)
 {
-    mean[0] = mean[1] = mean[2] = 0;
-    for (int32_t i = 0; i < p->n; i++) {
-        const tz_vec2 d = tz_vec2_sub(p->v[i], p->mean);
-        const double l = tz_vec2_length(d) / p->spread / p->n;
-        uint64_t h = tz_rng_stream((uint64_t)i, 3, 5);
-        for (int k = 0; k < 3; k++, h >>= 20)
-            mean[k] += l * ((double)(h & 0xfffff) / 0x80000 - 1);
-    }
+    if (items == 1)
+        return w->r->point.v + w->r->part.v[w->r->item.v[item]].point;
+    gather(w->r, item, items, room);
+    return room;
 }
 
-static double misfit(const points *p, const points *q, tz_vec2 z)
+/** Distances of four points from the centre and the pen's width, in units of the spread;
+ * the pen so that 2 % of it are NEAR. */
+static void describe(const tz_element_reader *r, const tz_thing *t, const points *p,
+                     double far[KEYS])
 {
-    double worst = 0;
+    double width = 0;
+    for (int k = 0; k < KEYS - 1; k++) {
+        const int32_t i = (int32_t)((int64_t)p->n * k / (KEYS - 1));
+        far[k] = tz_vec2_length(tz_vec2_sub(p->v[i], p->mean)) / p->spread;
+    }
+    for (int32_t i = 0; i < t->items; i++)
+        width = fmax(width, r->part.v[r->item.v[t->item + i]].look.width);
+    far[KEYS - 1] = width > 0 ? log(width / p->spread) * NEAR / 0.02 : 0;
+}
+
+/** Whether q = z p to within a tolerance, about their means. */
+static bool fits(const points *p, const points *q, tz_vec2 z, double tolerance)
+{
     for (int32_t i = 0; i < p->n; i++) {
         const tz_vec2 a = tz_vec2_sub(p->v[i], p->mean),
                       b = tz_vec2_sub(q->v[i], q->mean);
-        worst =
-            fmax(worst, hypot(z.x * a.x - z.y * a.y - b.x, z.x * a.y + z.y * a.x - b.y));
+        if (hypot(z.x * a.x - z.y * a.y - b.x, z.x * a.y + z.y * a.x - b.y) > tolerance)
+            return false;
     }
-    return worst;
+    return true;
 }
 
-/** z with q = z p nearly. A pure shift is preferred: it leaves numbers as they are. */
+/** z with q = z p nearly. A pure shift is preferred: it leaves numbers as they are. Most
+ * candidates fail at their first points, by the distance from the mean. */
 static bool similar(const points *p, const points *q, tz_vec2 *z)
 {
+    const double scale = q->spread / p->spread;
     double re = 0, im = 0;
-    if (fabs(p->spread - q->spread) < SAME * q->spread) {
-        *z = (tz_vec2){1, 0};
-        if (misfit(p, q, *z) <= SAME * 0.7 * q->spread)
-            return true;
-    }
     for (int32_t i = 0; i < p->n; i++) {
         const tz_vec2 a = tz_vec2_sub(p->v[i], p->mean),
                       b = tz_vec2_sub(q->v[i], q->mean);
+        if (fabs(scale * tz_vec2_length(a) - tz_vec2_length(b)) > 1.5 * SAME * q->spread)
+            return false;
         re += a.x * b.x + a.y * b.y;
         im += a.x * b.y - a.y * b.x;
     }
+    *z = (tz_vec2){1, 0};
+    if (fabs(p->spread - q->spread) < SAME * q->spread &&
+        fits(p, q, *z, SAME * 0.7 * q->spread))
+        return true;
     const double norm = p->spread * p->spread * p->n;
     *z = (tz_vec2){re / norm, im / norm};
-    return tz_vec2_length(*z) > 1e-12 && misfit(p, q, *z) <= SAME * q->spread;
+    return tz_vec2_length(*z) > 1e-12 && fits(p, q, *z, SAME * q->spread);
 }
 
 /** Whether pens scale along. */
@@ -335,56 +360,54 @@ static bool same_pens(const tz_element_reader *r, const proto *p, const tz_thing
     return true;
 }
 
-static uint64_t cell_of(uint64_t key, const int64_t at[3])
+static uint64_t cell_of(uint64_t key, const int64_t at[KEYS])
 {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < KEYS; k++)
         key = mix(key, (uint64_t)at[k]);
     return key;
 }
 
-/** A proto that the points are similar to, or NULL. */
-static tz_status find_proto(work *w, const tz_thing *t, uint64_t key, const points *q,
-                            const double mean[3], const proto **out, tz_vec2 *z,
-                            tz_vec2 *from)
+/** A proto in one cell that the points are similar to, or NULL. */
+static const proto *find_in_cell(const work *w, const tz_thing *t, uint64_t key,
+                                 uint64_t cell, const points *q, tz_vec2 *z)
 {
-    int64_t lo[3], hi[3], at[3];
-    *out = NULL;
-    for (int k = 0; k < 3; k++) {
-        lo[k] = (int64_t)floor((mean[k] - SAME / 2) / CELL);
-        hi[k] = (int64_t)floor((mean[k] + SAME / 2) / CELL);
+    for (int32_t i = w->head[cell & (w->cells - 1)]; i >= 0; i = w->proto.v[i].next) {
+        const proto *p = &w->proto.v[i];
+        if (p->key != key || p->items != t->items)
+            continue;
+        const points a = {points_of(w, p->item, p->items, w->p.v), q->n, p->middle,
+                          p->spread};
+        if (similar(&a, q, z) && same_pens(w->r, p, t, tz_vec2_length(*z)))
+            return p;
     }
-    tz_status s = tz_array_reserve(w->r->ctx, &w->p, q->n);
-    if (s != TZ_OK)
-        return s;
-    for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
-        for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
-            for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++) {
-                int32_t i = w->head[cell_of(key, at) & (w->cells - 1)];
-                for (; i >= 0; i = w->proto.v[i].next) {
-                    const proto *p = &w->proto.v[i];
-                    if (p->key != key || p->items != t->items ||
-                        fabs(p->mean[0] - mean[0]) > SAME ||
-                        fabs(p->mean[1] - mean[1]) > SAME ||
-                        fabs(p->mean[2] - mean[2]) > SAME)
-                        continue;
-                    gather(w->r, p->item, p->items, w->p.v);
-                    const points a = summed_up(w->p.v, q->n);
-                    tz_vec2 map;
-                    if (!similar(&a, q, &map) ||
-                        !same_pens(w->r, p, t, tz_vec2_length(map)))
-                        continue;
-                    *z = map;
-                    *from = a.mean;
-                    *out = p;
-                    return TZ_OK;
-                }
-            }
-    return TZ_OK;
+    return NULL;
+}
+
+/** The same in all cells that may hold one: at most two each way. */
+static const proto *find_proto(const work *w, const tz_thing *t, uint64_t key,
+                               const points *q, const double far[KEYS], tz_vec2 *z)
+{
+    int64_t lo[KEYS], hi[KEYS], at[KEYS];
+    for (int k = 0; k < KEYS; k++) {
+        lo[k] = (int64_t)floor((far[k] - NEAR) / CELL);
+        hi[k] = (int64_t)floor((far[k] + NEAR) / CELL);
+    }
+    for (int m = 0; m < 1 << KEYS; m++) {
+        bool twice = false;
+        for (int k = 0; k < KEYS; k++) {
+            at[k] = m >> k & 1 ? hi[k] : lo[k];
+            twice = twice || ((m >> k & 1) && lo[k] == hi[k]);
+        }
+        const proto *p = twice ? NULL : find_in_cell(w, t, key, cell_of(key, at), q, z);
+        if (p)
+            return p;
+    }
+    return NULL;
 }
 
 static tz_status place_shape(work *w, const tz_thing *t)
 {
-    double mean[3];
+    double far[KEYS];
     int32_t n;
     const uint64_t key = key_of(w->r, t->item, t->items, &n);
     tz_status s = tz_array_reserve(w->r->ctx, &w->q, n);
@@ -394,29 +417,32 @@ static tz_status place_shape(work *w, const tz_thing *t)
     const points q = summed_up(w->q.v, n);
     if (!(q.spread > 0))
         return TZ_OK;
-    describe(&q, mean);
-    const proto *p;
-    tz_vec2 z = {1, 0}, from = q.mean;
-    s = find_proto(w, t, key, &q, mean, &p, &z, &from);
-    if (s == TZ_OK && !p) {
+    describe(w->r, t, &q, far);
+    s = tz_array_reserve(w->r->ctx, &w->p, n);
+    if (s != TZ_OK)
+        return s;
+    tz_vec2 z;
+    const proto *p = find_proto(w, t, key, &q, far, &z);
+    if (!p) {
         proto made = {.key = key, .item = t->item, .items = t->items, .symbol = -1};
         double radius;
-        int64_t at[3];
+        int64_t at[KEYS];
         s = make_symbol(w, t, tz_affine_identity(), false, &made, &radius);
         if (s != TZ_OK || !(radius > 0))
             return s;
-        for (int k = 0; k < 3; k++) {
-            made.mean[k] = mean[k];
-            at[k] = (int64_t)floor(mean[k] / CELL);
-        }
+        made.middle = q.mean;
+        made.spread = q.spread;
+        for (int k = 0; k < KEYS; k++)
+            at[k] = (int64_t)floor(far[k] / CELL);
+        z = (tz_vec2){1, 0};
         s = insert(w, made, cell_of(key, at));
+        if (s != TZ_OK)
+            return s;
         p = &w->proto.v[w->proto.n - 1];
     }
-    if (s != TZ_OK)
-        return s;
     const bool round = t->items == 1 && w->r->part.v[w->r->item.v[t->item]].round &&
                        w->r->part.v[w->r->item.v[p->item]].round;
-    const tz_vec2 v = tz_vec2_sub(p->centre, from);
+    const tz_vec2 v = tz_vec2_sub(p->centre, p->middle);
     const tz_vec2 at = {z.x * v.x - z.y * v.y + q.mean.x,
                         z.x * v.y + z.y * v.x + q.mean.y};
     add_element(w, t, p, at, round ? p->angle : p->angle + atan2(z.y, z.x),
@@ -499,6 +525,5 @@ tz_status tz_element_symbols(tz_element_reader *r, int32_t first)
     tz_array_free(r->ctx, &w.p);
     tz_array_free(r->ctx, &w.q);
     tz_polys_deinit(r->ctx, &w.polys);
-    tz_polys_deinit(r->ctx, &w.outer);
     return s;
 }

@@ -124,7 +124,10 @@ static tz_status scan(border *b)
     tz_element_reader *r = b->r;
     const int32_t n = r->set.element.n;
     tz_polys polys = {0};
-    b->eps = 1e-4 * fmin(r->view.x, r->view.y);
+    double mean = 0;
+    for (int32_t i = 0; i < n; i++)
+        mean += r->set.element.v[i].radius / n;
+    b->eps = fmin(1e-4 * fmin(r->view.x, r->view.y), 0.01 * mean);
     tz_status s = tz_alloc_zero(r->ctx, &b->is_over, (size_t)n, 1);
     if (s == TZ_OK)
         s = tz_alloc_zero(r->ctx, &b->is_flush, (size_t)n, 1);
@@ -193,6 +196,12 @@ static void match_pieces(border *b)
 
 /* ---- twins ------------------------------------------------------------------------- */
 
+/** How far apart twins may lie. */
+static double tolerance_of(const border *b, const tz_element *e)
+{
+    return fmin(fmax(0.05 * e->radius, 20 * b->eps), 0.25 * e->radius);
+}
+
 static double turn_between(double a, double b)
 {
     const double d = fabs(a - b);
@@ -216,7 +225,7 @@ static tz_status match_twins(border *b)
         const int32_t i = b->over.v[k];
         const tz_vec2 p = {tz_domain_wrap_axis(e[i].at.x, r->view.x),
                            tz_domain_wrap_axis(e[i].at.y, r->view.y)};
-        const double reach = fmax(0.05 * e[i].radius, 20 * b->eps);
+        const double reach = tolerance_of(b, &e[i]);
         int32_t n = tz_grid_query(&grid, p, reach, near, NEAR), id;
         for (int32_t m = 0; m < n && m < NEAR; m++) {
             const int32_t j = b->over.v[near[m]];
@@ -247,8 +256,7 @@ static double share_repeated(border *b, const tz_grid *grid, tz_vec2 step)
         const tz_element *e = &r->set.element.v[i];
         const tz_vec2 p = {tz_domain_wrap_axis(e->at.x + step.x, r->view.x),
                            tz_domain_wrap_axis(e->at.y + step.y, r->view.y)};
-        const int32_t n =
-            tz_grid_query(grid, p, fmax(0.05 * e->radius, 20 * b->eps), near, NEAR);
+        const int32_t n = tz_grid_query(grid, p, tolerance_of(b, e), near, NEAR);
         for (int32_t k = 0; k < n && k < NEAR; k++) {
             const tz_element *o = &r->set.element.v[near[k]];
             if (o->symbol == e->symbol && turn_between(o->angle, e->angle) < 0.05) {

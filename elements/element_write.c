@@ -105,7 +105,7 @@ static void put_use(tz_svg_writer *w, const tz_element_set *s, const tz_element 
     tz_svg_begin(w, "use");
     tz_svg_setf(w, "xlink:href", "#%s", s->symbol.v[e->symbol].id);
     tz_svg_set_affine(w, "transform",
-                      (tz_affine){c, d, -d, c, e->at.x + dx, e->at.y + dy});
+                      (tz_affine){c, d, 0 - d, c, e->at.x + dx, e->at.y + dy});
 }
 
 /** What reaches over the border of a torus, shown on the other side too. */
