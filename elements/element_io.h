@@ -44,7 +44,7 @@ TZ_API tz_status tz_element_write_json(tz_ctx *ctx, const char *path,
 /** The same as rows, with a line of names first. */
 TZ_API tz_status tz_element_write_csv(tz_ctx *ctx, const char *path,
                                       const tz_element_set *s);
-/** By the name's suffix: .svg, .json or .csv. */
+/** By the name's suffix: .svg, .json or .csv; "-" is standard output, as SVG. */
 TZ_API tz_status tz_element_write(tz_ctx *ctx, const char *path, const tz_element_set *s);
 
 #endif

@@ -350,7 +350,7 @@ tz_status tz_element_write_csv(tz_ctx *ctx, const char *path, const tz_element_s
 tz_status tz_element_write(tz_ctx *ctx, const char *path, const tz_element_set *s)
 {
     const char *dot = strrchr(path, '.');
-    if (dot && strcasecmp(dot, ".svg") == 0)
+    if (strcmp(path, "-") == 0 || (dot && strcasecmp(dot, ".svg") == 0))
         return tz_element_write_svg(ctx, path, s);
     if (dot && strcasecmp(dot, ".json") == 0)
         return tz_element_write_json(ctx, path, s);

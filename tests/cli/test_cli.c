@@ -70,6 +70,35 @@ static void steps_equal_the_whole(void **state)
     tz_image_deinit(&c);
 }
 
+static void elements_of_a_drawing(void **state)
+{
+    (void)state;
+    FILE *f = fopen("drawing.svg", "w");
+    assert_non_null(f);
+    fputs("<svg viewBox='0 0 90 60'><circle cx='20' cy='30' r='5'/>"
+          "<circle cx='88' cy='30' r='5'/><circle cx='-2' cy='30' r='5'/></svg>",
+          f);
+    fclose(f);
+    assert_exit(0,
+                "$T analyze drawing.svg --as elements -o e.csv && grep -c class e.csv");
+    assert_string_equal(out_text, "2\n"); /* a tile: two of the three are one */
+    assert_exit(0, "$T analyze drawing.svg --as elements --no-wrap -o e.csv && "
+                   "grep -c class e.csv");
+    assert_string_equal(out_text, "3\n");
+    assert_exit(0, "$T analyze drawing.svg --as elements --wrap --classes 1 -o e.json");
+    json_t *v = json_load_file("e.json", 0, NULL);
+    assert_non_null(v);
+    assert_int_equal(json_array_size(json_object_get(v, "elements")), 2);
+    json_decref(v);
+    assert_exit(0, "$T analyze drawing.svg --as elements -o e.svg && "
+                   "$T analyze e.svg --as elements -o - | cmp - e.svg");
+    assert_exit(1, "$T analyze mud.png --as elements -o m.svg");
+    assert_non_null(strstr(err_text, "not yet in photos"));
+    assert_exit(1, "$T analyze drawing.svg --as elements -o e.png");
+    assert_exit(1, "$T analyze drawing.svg --as elements -o drawing.svg");
+    assert_exit(1, "$T analyze drawing.svg --as stones -o e.svg");
+}
+
 static float tilt(int32_t x, int32_t y, int32_t c)
 {
     return c == 2 ? 0.9f : 0.5f + 0.001f * (float)((x * 7 + y * 3 + c) % 100);
@@ -332,6 +361,7 @@ int main(void)
         cmocka_unit_test(expand_grows_four_times),
         cmocka_unit_test(same_bytes_at_any_threads_and_memory),
         cmocka_unit_test(steps_equal_the_whole),
+        cmocka_unit_test(elements_of_a_drawing),
         cmocka_unit_test(maps_follow_the_colour),
         cmocka_unit_test(variants_have_names_of_their_own),
         cmocka_unit_test(several_photos_mix),
