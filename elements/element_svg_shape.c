@@ -258,7 +258,7 @@ tz_status tz_part_add(tz_element_reader *r, tz_svg_node n, const tz_style *style
     part.points = r->point.n - part.point;
     for (int32_t i = part.point; i < r->point.n; i++)
         tz_box_add(&part.box, r->point.v[i]);
-    if (is_straight(r->point.v + part.point, part.points))
+    if (part.points > 0 && is_straight(r->point.v + part.point, part.points))
         part.look.fill = part.look.rule = 0;
     const double scale = sqrt(fabs(tz_affine_det(map)));
     part.look.width *= scale;
