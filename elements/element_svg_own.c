@@ -68,6 +68,12 @@ static tz_status read_parts(tz_element_reader *r, tz_svg_node n, int32_t *item)
     return s;
 }
 
+/* Null and no offset where a symbol has no parts. */
+static const int32_t *items_from(const tz_element_reader *r, int32_t item)
+{
+    return r->item.n > item ? r->item.v + item : NULL;
+}
+
 static tz_status copy_markup(tz_element_reader *r, const char *p, size_t n, char **out)
 {
     tz_status s = tz_alloc(r->ctx, out, n + 1, 1);
@@ -116,7 +122,7 @@ static tz_status read_symbol(own *o, tz_svg_node n)
     if (strcmp(id, "tz-background") == 0) {
         if (!r->set.background)
             s = raw ? copy_markup(r, raw, size, &r->set.background)
-                    : tz_element_markup(r, r->item.v + item, r->item.n - item,
+                    : tz_element_markup(r, items_from(r, item), r->item.n - item,
                                         tz_affine_identity(), r->view.x,
                                         &r->set.background);
         return s;
@@ -131,10 +137,10 @@ static tz_status read_symbol(own *o, tz_svg_node n)
     if (s == TZ_OK)
         s = disc  ? copy_markup(r, "", 0, &y.markup)
             : raw ? copy_markup(r, raw, size, &y.markup)
-                  : tz_element_markup(r, r->item.v + item, r->item.n - item,
+                  : tz_element_markup(r, items_from(r, item), r->item.n - item,
                                       tz_affine_identity(), y.radius, &y.markup);
     if (s == TZ_OK)
-        s = tz_element_outline(r, r->item.v + item, r->item.n - item,
+        s = tz_element_outline(r, items_from(r, item), r->item.n - item,
                                tz_affine_identity(), &y);
     if (s == TZ_OK)
         s = tz_array_push(r->ctx, &o->symbol, n);
