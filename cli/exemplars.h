@@ -13,11 +13,11 @@ typedef struct tz_rules_params {
 } tz_rules_params;
 extern const tz_param_table tz_rules_param_table;
 
-/** Table: tz_growth_param_table. */
-typedef struct tz_growth_params {
+/** Table: tz_area_param_table. */
+typedef struct tz_area_params {
     double grow;
-} tz_growth_params;
-extern const tz_param_table tz_growth_param_table;
+} tz_area_params;
+extern const tz_param_table tz_area_param_table;
 
 /** The operands as sources, in their order. */
 typedef struct tz_exemplars {
