@@ -23,7 +23,7 @@ tz_status tz_forest_detect(tz_ctx *ctx, const tz_forest *forest, tz_forest_row r
                            int32_t stride, int32_t y0, int32_t y1, float *response);
 
 /** Edges of a photo: detected at half, one and double size and averaged, slab by slab, so
- * that memory beyond the result stays under 1 GiB for photos of any size.
+ * that memory beyond photo and result is that of a slab, and a byte a pixel.
  * @param photo  any size, encoding and channels
  * @param[out] response  width * height, 0..1
  * @param[out] normal    planes: cos, sin of twice the angle across the edge */

@@ -14,6 +14,7 @@
 
 #define LEAST_SIDE  32
 #define SLAB_PIXELS ((int64_t)1 << 21)
+#define CONTEXT     8
 #define STRIDE      4 /* px between patches: 16 patches see a pixel */
 
 static const float weights[3] = {1 / 11.0F, 2 / 11.0F, 8 / 11.0F};
@@ -190,6 +191,32 @@ static tz_status detect_size(tz_ctx *ctx, const tz_forest *forest, const tz_imag
     return s;
 }
 
+/* Directions, slab by slab: a row depends on no more than 6 rows on either side. */
+static tz_status find_normals(tz_ctx *ctx, const float *response, int32_t width,
+                              int32_t height, float *normal)
+{
+    const size_t w = (size_t)width, all = w * (size_t)height;
+    const int32_t rows = SLAB_PIXELS / width > 64 ? (int32_t)(SLAB_PIXELS / width) : 64;
+    float *part = NULL;
+    tz_status s =
+        tz_alloc(ctx, &part, ((size_t)rows + 2 * CONTEXT) * w, 2 * sizeof *part);
+    for (int32_t y0 = 0; y0 < height && s == TZ_OK; y0 += rows) {
+        const int32_t y1 = y0 + rows < height ? y0 + rows : height;
+        const int32_t top = y0 > CONTEXT ? y0 - CONTEXT : 0;
+        const int32_t bottom = y1 + CONTEXT < height ? y1 + CONTEXT : height;
+        const size_t n = (size_t)(bottom - top) * w, skip = (size_t)(y0 - top) * w;
+        const size_t to = (size_t)y0 * w, kept = (size_t)(y1 - y0) * w * sizeof *normal;
+        s = tz_boundary_normals(ctx, response + (size_t)top * w, width, bottom - top,
+                                part);
+        if (s != TZ_OK)
+            break;
+        memcpy(normal + to, part + skip, kept);
+        memcpy(normal + all + to, part + n + skip, kept);
+    }
+    tz_free(ctx, part);
+    return s;
+}
+
 tz_status tz_forest_response(tz_ctx *ctx, const tz_image *photo, const tz_forest *forest,
                              float *response, float *normal)
 {
@@ -198,9 +225,8 @@ tz_status tz_forest_response(tz_ctx *ctx, const tz_image *photo, const tz_forest
     memset(response, 0, n * sizeof *response);
     for (int32_t shift = -1; shift <= 1 && s == TZ_OK; shift++)
         s = detect_size(ctx, forest, photo, shift, response);
-    return s == TZ_OK
-               ? tz_boundary_normals(ctx, response, photo->width, photo->height, normal)
-               : s;
+    return s == TZ_OK ? find_normals(ctx, response, photo->width, photo->height, normal)
+                      : s;
 }
 
 /* ---- models -------------------------------------------------------------------------- */

@@ -2,6 +2,7 @@
 /* Structured forests: a tiny model that runs, and files that must be refused. */
 #include "tests/analysis/draw.h"
 
+#include "analysis/boundary_score.h"
 #include "analysis/forest.h"
 
 static char dir[64];
@@ -269,13 +270,40 @@ static void slabs_join(void **state)
     assert_true(most > 0.1F);
 }
 
+/* A photo of several slabs: directions are those of the whole response. */
+static void large_photos_are_whole(void **state)
+{
+    (void)state;
+    enum { W = 1300, H = 1700, N = W * H };
+    tz_ctx *ctx = new_ctx(2);
+    tz_image im = new_picture(ctx, W, H, 1);
+    const tz_forest *f = NULL;
+    float *r = malloc((size_t)N * sizeof *r), *normal = malloc(2 * (size_t)N * sizeof *r);
+    float *whole = malloc(2 * (size_t)N * sizeof *r);
+    draw_pebbles(&im, 50, 4);
+    ok(ctx, tz_forest_of(ctx, model(NULL, NULL), &f));
+    ok(ctx, tz_forest_response(ctx, &im, f, r, normal));
+    ok(ctx, tz_boundary_normals(ctx, r, W, H, whole));
+    assert_memory_equal(normal, whole, 2 * (size_t)N * sizeof *r);
+    free(r);
+    free(normal);
+    free(whole);
+    tz_image_deinit(&im);
+    end_ctx(ctx);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sound_models_run),     cmocka_unit_test(bad_models_are_refused),
-        cmocka_unit_test(gzip_files),           cmocka_unit_test(bombs),
-        cmocka_unit_test(memory_may_fail),      cmocka_unit_test(round_trip),
-        cmocka_unit_test(numbers_lie_anywhere), cmocka_unit_test(slabs_join),
+        cmocka_unit_test(sound_models_run),
+        cmocka_unit_test(bad_models_are_refused),
+        cmocka_unit_test(gzip_files),
+        cmocka_unit_test(bombs),
+        cmocka_unit_test(memory_may_fail),
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(numbers_lie_anywhere),
+        cmocka_unit_test(slabs_join),
+        cmocka_unit_test(large_photos_are_whole),
     };
     begin_dir(dir);
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
