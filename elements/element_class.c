@@ -202,7 +202,7 @@ static tz_status name_kinds(tz_element_reader *r)
         for (const char *p = name; *p; p++)
             h = (h ^ (unsigned char)*p) * 1099511628211u;
         int32_t *first = &head[(h >> 20) % HEADS], k = *first;
-        while (k >= 0 && strcmp(r->set.kind.v[k].name, name) != 0)
+        while (k >= 0 && k < chain.n && strcmp(r->set.kind.v[k].name, name) != 0)
             k = chain.v[k];
         if (k < 0) {
             k = r->set.kind.n;

@@ -159,7 +159,7 @@ static tz_status rank_depths(tz_element_reader *r)
 
 static tz_status read_drawing(tz_element_reader *r)
 {
-    tz_affine map;
+    tz_affine map = {1, 0, 0, 1, 0, 0};
     tz_status s = read_view(r, &map);
     if (s == TZ_OK)
         s = tz_style_load(r);

@@ -205,6 +205,31 @@ static tz_status find_target(tz_element_reader *r, tz_svg_node n, const state *s
     return TZ_OK;
 }
 
+/* What the <use> n points at, drawn where the use is. */
+static tz_status walk_target(tz_element_reader *r, tz_svg_node n, tz_svg_node target,
+                             state *s)
+{
+    if (s->owned)
+        return walk(r, target, s, true);
+    const template *t;
+    const int32_t order = r->steps;
+    const tz_status st = find_template(r, target, s, &t);
+    if (st != TZ_OK)
+        return st;
+    const double det = tz_affine_det(s->map);
+    if (!(fabs(det) > 1e-18))
+        return TZ_OK; /* squeezed to nothing */
+    const char *id = tz_svg_is(target, "symbol") ? tz_svg_attr(target, "id") : NULL;
+    return add_thing(r, (tz_thing){.item = t->item,
+                                   .items = t->items,
+                                   .map = s->map,
+                                   .use = true,
+                                   .target = target,
+                                   .name = class_of(n, class_of(target, id)),
+                                   .order = order,
+                                   .line = tz_svg_line(n)});
+}
+
 static tz_status walk_use(tz_element_reader *r, tz_svg_node n, state *s)
 {
     double x, y, size[2];
@@ -225,27 +250,11 @@ static tz_status walk_use(tz_element_reader *r, tz_svg_node n, state *s)
         st = fit(r, target, size, &s->map);
     if (st != TZ_OK)
         return st;
-    const frame f = {target, s->uses};
+    const frame f = {target, s->uses}, *before = s->uses;
     s->uses = &f;
-    if (s->owned)
-        return walk(r, target, s, true);
-    const template *t;
-    const int32_t order = r->steps;
-    st = find_template(r, target, s, &t);
-    if (st != TZ_OK)
-        return st;
-    const double det = tz_affine_det(s->map);
-    if (!(fabs(det) > 1e-18))
-        return TZ_OK; /* squeezed to nothing */
-    const char *id = tz_svg_is(target, "symbol") ? tz_svg_attr(target, "id") : NULL;
-    return add_thing(r, (tz_thing){.item = t->item,
-                                   .items = t->items,
-                                   .map = s->map,
-                                   .use = true,
-                                   .target = target,
-                                   .name = class_of(n, class_of(target, id)),
-                                   .order = order,
-                                   .line = tz_svg_line(n)});
+    st = walk_target(r, n, target, s);
+    s->uses = before;
+    return st;
 }
 
 static tz_status walk_children(tz_element_reader *r, tz_svg_node n, const state *s)

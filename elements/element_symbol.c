@@ -190,6 +190,11 @@ static void add_element(work *w, const tz_thing *t, const proto *p, tz_vec2 at,
                      .depth = t->order};
 }
 
+static bool same_four(const double *a, const double *b)
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
+}
+
 /* ---- uses --------------------------------------------------------------------------- */
 
 static tz_status place_use(work *w, const tz_thing *t)
@@ -211,7 +216,7 @@ static tz_status place_use(work *w, const tz_thing *t)
     const proto *p = NULL;
     for (int32_t i = w->head[key & (w->cells - 1)]; i >= 0 && !p; i = w->proto.v[i].next)
         if (w->proto.v[i].key == key && w->proto.v[i].item == t->item &&
-            memcmp(w->proto.v[i].rest, n, sizeof n) == 0)
+            same_four(w->proto.v[i].rest, n))
             p = &w->proto.v[i];
     const tz_affine rest = {n[0], n[1], n[2], n[3], 0, 0};
     if (!p) {

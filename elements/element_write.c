@@ -72,8 +72,8 @@ static void put_background(tz_svg_writer *w, const tz_element_set *s)
 
 static bool plain_sample(const tz_element *e, const tz_sample *p)
 {
-    return e->samples == 1 && p->id == 0 && p->weight == 1 &&
-           memcmp(&p->at, &e->at, sizeof e->at) == 0;
+    return e->samples == 1 && p->id == 0 && p->weight == 1 && p->at.x == e->at.x &&
+           p->at.y == e->at.y && p->at.z == e->at.z;
 }
 
 static tz_status put_samples(tz_svg_writer *w, const tz_element_set *s,

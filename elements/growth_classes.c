@@ -51,7 +51,8 @@ static int32_t axis_bin(const tz_growth_unit *e)
 {
     if (e->c2 == 0 && e->s2 == 0)
         return 0;
-    const double turn = atan2(e->s2, e->c2) / (2 * TZ_PI) + 0.5 + 0.5 / AXES;
+    const double turn =
+        atan2((double)e->s2, (double)e->c2) / (2 * TZ_PI) + 0.5 + 0.5 / AXES;
     return 1 + (int32_t)(turn * AXES) % AXES;
 }
 
@@ -59,7 +60,7 @@ static int32_t axis_bin(const tz_growth_unit *e)
 static int32_t number_of(int64_t *key, int32_t *n, int64_t k)
 {
     for (int32_t i = 0; i < *n; i++)
-        if (key[i] == k)
+        if (key[i] == k) /* NOLINT(clang-analyzer-core.*): the first n are set */
             return i;
     if (*n < TZ_GROWTH_CLASSES)
         key[(*n)++] = k;

@@ -143,7 +143,7 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
         float dx = 0, dy = 0, d = limit;
         if (j >= 0 && !(taken >> j & 1))
             dx = o->x - near[j].x, dy = o->y - near[j].y, d = dx * dx + dy * dy;
-        if (d >= limit)
+        if (j < 0 || d >= limit)
             cost += is_known(ex, e, o) ? cost_stranger : cost_unknown;
         else if (o->kind != near[j].kind)
             cost += cost_kind;

@@ -225,13 +225,13 @@ static tz_status add_equations(tz_growth *g, tz_lsq *lsq, int32_t spot)
     tz_growth_view view;
     prediction p[TZ_GROWTH_SEEN];
     const double zero[2] = {0, 0}, one = 1, difference[2] = {-1, 1};
-    const double own = g->spot.v[spot].fixed ? 1e3 : sqrt(own_weight);
+    const double own = g->spot.v[spot].fixed ? 1e3 : sqrt((double)own_weight);
     tz_status s = tz_lsq_add(lsq, 1, &spot, &one, zero, own);
     const int32_t n = g->spot.v[spot].match < 0 ? 0 : predict(g, spot, &view, p);
     for (int32_t i = 0; i < n && s == TZ_OK; i++) {
         const int32_t index[2] = {spot, p[i].spot};
         const double error[2] = {p[i].ex, p[i].ey};
-        s = tz_lsq_add(lsq, 2, index, difference, error, sqrt(p[i].weight));
+        s = tz_lsq_add(lsq, 2, index, difference, error, sqrt((double)p[i].weight));
     }
     return s;
 }
