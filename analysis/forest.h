@@ -17,7 +17,7 @@
  * @param[out] response  (y1 - y0) * width, about 0..1
  * @return TZ_OK; TZ_NOMEM; TZ_CANCELLED
  * @cost O(pixels * evaluated trees * depth / stride^2), in parallel by rows; memory about
- *       250 bytes a pixel of the rows */
+ *       100 bytes a pixel of the rows */
 tz_status tz_forest_detect(tz_ctx *ctx, const tz_forest *forest, tz_forest_row row,
                            const void *source, int32_t width, int32_t height,
                            int32_t stride, int32_t y0, int32_t y1, float *response);

@@ -2,9 +2,8 @@
 /* A photo at three sizes: half (means of 2 x 2), one, double (interpolated). Rows of each
  * are made when a slab of rows is detected, so the double-size photo never exists. The
  * three responses are averaged where the photo's pixels lie, weighted: what is found in the
- * double size counts most. On held-out scenes F is 0.78 with size one alone, 0.83 to 0.84
- * with double, half adds little and steadies the large things. */
-#include <math.h>
+ * double size counts most: on held-out scenes F rises by 0.05 to 0.07 with it, and half the
+ * size neither adds nor costs. */
 #include <string.h>
 
 #include "analysis/boundary_score.h"
@@ -14,7 +13,7 @@
 
 #define LEAST_SIDE  32
 #define SLAB_PIXELS ((int64_t)1 << 21)
-#define CONTEXT     8
+#define CONTEXT     8 /* rows around a slab that its directions depend on */
 #define STRIDE      4 /* px between patches: 16 patches see a pixel */
 
 static const float weights[3] = {1 / 11.0F, 2 / 11.0F, 8 / 11.0F};
@@ -53,11 +52,10 @@ static void pixel(const tz_image *photo, int32_t x, int32_t y, float rgb[3])
     }
 }
 
-static void row_of_one(const tz_image *photo, int32_t y, int32_t from, int32_t n,
-                       float *rgb)
+static void row_of_one(const tz_image *photo, int32_t y, int32_t n, float *rgb)
 {
     for (int32_t x = 0; x < n; x++)
-        pixel(photo, from + x, y, rgb + (ptrdiff_t)3 * x);
+        pixel(photo, x, y, rgb + (ptrdiff_t)3 * x);
 }
 
 static void row_of_half(const tz_image *photo, int32_t y, int32_t n, float *rgb)
@@ -71,28 +69,32 @@ static void row_of_half(const tz_image *photo, int32_t y, int32_t n, float *rgb)
     }
 }
 
+/* Column x of the photo between two of its rows, 3 parts of the nearer one. */
+static void between_rows(const tz_image *photo, int32_t x, int32_t near_y, int32_t far_y,
+                         float rgb[3])
+{
+    float a[3], b[3];
+    pixel(photo, x, near_y, a);
+    pixel(photo, x, far_y, b);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = 0.75F * a[c] + 0.25F * b[c];
+}
+
 /* Pixel i of the double size lies at (i - 1/2) / 2 of the photo: 3/4 of the nearer one. */
 static void row_of_double(const tz_image *photo, int32_t y, int32_t n, float *rgb)
 {
     const int32_t near_y = y / 2, far_y = y % 2 ? near_y + 1 : near_y - 1;
     float before[3], here[3], after[3];
-    for (int32_t i = -1; 2 * i < n; i++) {
-        float a[3], b[3];
-        pixel(photo, i + 1, near_y, a);
-        pixel(photo, i + 1, far_y, b);
-        memcpy(before, here, sizeof here);
-        memcpy(here, after, sizeof here);
-        for (int c = 0; c < 3; c++)
-            after[c] = 0.75F * a[c] + 0.25F * b[c];
-        if (i == -1) { /* mirrored: the pixel before the first is the first */
-            memcpy(here, after, sizeof here);
-            continue;
-        }
+    between_rows(photo, -1, near_y, far_y, before);
+    between_rows(photo, 0, near_y, far_y, here);
+    for (int32_t x = 0; 2 * x < n; x++, rgb += 6) { /* n is even */
+        between_rows(photo, x + 1, near_y, far_y, after);
         for (int c = 0; c < 3; c++) {
-            rgb[6 * (ptrdiff_t)i + c] = 0.75F * here[c] + 0.25F * before[c];
-            if (2 * i + 1 < n)
-                rgb[6 * (ptrdiff_t)i + 3 + c] = 0.75F * here[c] + 0.25F * after[c];
+            rgb[c] = 0.75F * here[c] + 0.25F * before[c];
+            rgb[3 + c] = 0.75F * here[c] + 0.25F * after[c];
         }
+        memcpy(before, here, sizeof here);
+        memcpy(here, after, sizeof after);
     }
 }
 
@@ -104,7 +106,7 @@ static void photo_row(const void *source, int32_t y, float *rgb)
     else if (s->shift > 0)
         row_of_double(s->photo, y, s->width, rgb);
     else
-        row_of_one(s->photo, y, 0, s->width, rgb);
+        row_of_one(s->photo, y, s->width, rgb);
 }
 
 /* ---- sizes --------------------------------------------------------------------------- */

@@ -14,7 +14,7 @@ typedef struct values {
     tz_output_params output;
     arrange_params own;
     tz_rules_params rules;
-    tz_area_params growth;
+    tz_enlarge_params growth;
     tz_arrange_params arrange;
     tz_ebpt_params analyze;
 } values;
@@ -141,7 +141,7 @@ static const tz_option_group groups[] = {
     {&tz_output_param_table, offsetof(values, output), false},
     {&own_table, offsetof(values, own), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
-    {&tz_area_param_table, offsetof(values, growth), false},
+    {&tz_enlarge_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
 };

@@ -15,11 +15,12 @@ const tz_param_table tz_rules_param_table = {"rules", "Procedural rules.", rules
                                              sizeof(tz_rules_params)};
 
 static const tz_param growth_rows[] = {
-    {"grow", TZ_PARAM_DOUBLE, offsetof(tz_area_params, grow), 0.01, 10000, "4", "", NULL,
+    {"grow", TZ_PARAM_DOUBLE, offsetof(tz_enlarge_params, grow), 0.01, 10000, "4", "",
+     NULL,
      "Where --size is not given: the layout's sides are the first photo's times this."},
 };
-const tz_param_table tz_area_param_table = {"growth", "Size without --size.", growth_rows,
-                                            1, sizeof(tz_area_params)};
+const tz_param_table tz_enlarge_param_table = {"growth", "Size without --size.",
+                                               growth_rows, 1, sizeof(tz_enlarge_params)};
 
 bool tz_path_is_svg(const char *path)
 {

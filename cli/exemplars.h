@@ -13,11 +13,11 @@ typedef struct tz_rules_params {
 } tz_rules_params;
 extern const tz_param_table tz_rules_param_table;
 
-/** Table: tz_area_param_table. */
-typedef struct tz_area_params {
+/** Table: tz_enlarge_param_table. */
+typedef struct tz_enlarge_params {
     double grow;
-} tz_area_params;
-extern const tz_param_table tz_area_param_table;
+} tz_enlarge_params;
+extern const tz_param_table tz_enlarge_param_table;
 
 /** The operands as sources, in their order. */
 typedef struct tz_exemplars {

@@ -20,7 +20,7 @@ typedef struct values {
     expand_params own;
     tz_maps_params maps;
     tz_rules_params rules;
-    tz_area_params growth;
+    tz_enlarge_params growth;
     tz_arrange_params arrange;
     tz_ebpt_params analyze;
     tz_compose_params compose;
@@ -219,7 +219,7 @@ static const tz_option_group groups[] = {
     {&own_table, offsetof(values, own), false},
     {&tz_maps_param_table, offsetof(values, maps), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
-    {&tz_area_param_table, offsetof(values, growth), false},
+    {&tz_enlarge_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
     {&tz_compose_param_table, offsetof(values, compose), true},
