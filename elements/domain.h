@@ -4,12 +4,18 @@
 #ifndef TZ_ELEMENTS_DOMAIN_H
 #define TZ_ELEMENTS_DOMAIN_H
 
-#include "base/geom.h"
+#include "elements/frames.h"
+#include "elements/region.h"
+#include "elements/zones.h"
 
-/** Rectangle [0, size.x) x [0, size.y), plain or wrapped to a torus. */
+/** Rectangle [0, size.x) x [0, size.y), plain or wrapped to a torus; what guides an
+ * arrangement in it is borrowed: whoever made it frees it, after the last use. */
 typedef struct tz_domain {
     tz_vec3 size;
     bool torus;
+    const tz_region *region; /**< NULL = the whole rectangle */
+    const tz_frames *frames; /**< NULL = the exemplar is never turned */
+    const tz_zones *zones;   /**< NULL = every kind may lie anywhere */
 } tz_domain;
 
 /** Shortest vector from p to q; on a torus over the nearest copy. */
@@ -42,7 +48,37 @@ static inline tz_vec3 tz_domain_wrap(const tz_domain *d, tz_vec3 p)
 
 static inline bool tz_domain_contains(const tz_domain *d, tz_vec3 p)
 {
-    return d->torus || (p.x >= 0 && p.y >= 0 && p.x < d->size.x && p.y < d->size.y);
+    return (d->torus || (p.x >= 0 && p.y >= 0 && p.x < d->size.x && p.y < d->size.y)) &&
+           (!d->region || tz_region_distance(d->region, p) > 0);
+}
+
+/** Signed distance to the nearest border, > 0 inside; HUGE_VAL on a torus without any. */
+static inline double tz_domain_depth(const tz_domain *d, tz_vec3 p)
+{
+    double depth = HUGE_VAL;
+    if (!d->torus) {
+        const double x = fmin(p.x, d->size.x - p.x), y = fmin(p.y, d->size.y - p.y);
+        depth = x < 0 && y < 0 ? -hypot(x, y) : fmin(x, y);
+    }
+    return d->region ? fmin(depth, tz_region_distance(d->region, p)) : depth;
+}
+
+/** Angle of the local frame: by how much the exemplar is turned here, radians. */
+static inline double tz_domain_frame(const tz_domain *d, tz_vec3 p)
+{
+    return d->frames ? tz_frames_angle(d->frames, p) : 0;
+}
+
+/** Whether the zones let a kind lie here. */
+static inline bool tz_domain_allows(const tz_domain *d, tz_vec3 p, int32_t kind)
+{
+    return !d->zones || tz_zones_allow(d->zones, p, kind);
+}
+
+/** Area that may be filled, user units squared. */
+static inline double tz_domain_area(const tz_domain *d)
+{
+    return d->region ? d->region->area : d->size.x * d->size.y;
 }
 
 #endif

@@ -13,6 +13,12 @@ static void symbol_deinit(tz_ctx *ctx, tz_element_symbol *y)
     tz_array_free(ctx, &y->part);
 }
 
+static void photo_deinit(tz_ctx *ctx, tz_element_photo *p)
+{
+    tz_free(ctx, p->path);
+    tz_free(ctx, p->plate);
+}
+
 void tz_element_set_deinit(tz_element_set *s)
 {
     tz_ctx *ctx = s->ctx;
@@ -20,6 +26,9 @@ void tz_element_set_deinit(tz_element_set *s)
         tz_free(ctx, s->kind.v[i].name);
     for (int32_t i = 0; i < s->symbol.n; i++)
         symbol_deinit(ctx, &s->symbol.v[i]);
+    for (int32_t i = 0; i < s->photo.n; i++)
+        photo_deinit(ctx, &s->photo.v[i]);
+    tz_array_free(ctx, &s->photo);
     tz_array_free(ctx, &s->element);
     tz_array_free(ctx, &s->sample);
     tz_array_free(ctx, &s->kind);
@@ -45,7 +54,10 @@ static tz_status copy_kind(tz_element_set *to, const tz_element_kind *k)
 static tz_status copy_symbol(tz_element_set *to, const tz_element_symbol *y)
 {
     tz_ctx *ctx = to->ctx;
-    tz_element_symbol copy = {.radius = y->radius};
+    tz_element_symbol copy = {.radius = y->radius,
+                              .photo_scale = y->photo_scale,
+                              .photo_at = y->photo_at,
+                              .photo = y->photo};
     tz_status s = tz_strdup(ctx, y->id, &copy.id);
     if (s == TZ_OK)
         s = tz_strdup(ctx, y->markup, &copy.markup);
@@ -67,6 +79,21 @@ static tz_status copy_symbol(tz_element_set *to, const tz_element_symbol *y)
     return TZ_OK;
 }
 
+static tz_status copy_photo(tz_element_set *to, const tz_element_photo *p)
+{
+    tz_ctx *ctx = to->ctx;
+    tz_element_photo copy = {.width = p->width, .height = p->height};
+    memcpy(copy.sha256, p->sha256, sizeof copy.sha256);
+    tz_status s = tz_strdup(ctx, p->path, &copy.path);
+    if (s == TZ_OK && p->plate)
+        s = tz_strdup(ctx, p->plate, &copy.plate);
+    if (s == TZ_OK)
+        s = tz_array_push(ctx, &to->photo, copy);
+    if (s != TZ_OK)
+        photo_deinit(ctx, &copy);
+    return s;
+}
+
 tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
                               const tz_domain *domain, tz_element_set *to)
 {
@@ -76,6 +103,8 @@ tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
         s = copy_kind(&set, &from->kind.v[i]);
     for (int32_t i = 0; i < from->symbol.n && s == TZ_OK; i++)
         s = copy_symbol(&set, &from->symbol.v[i]);
+    for (int32_t i = 0; i < from->photo.n && s == TZ_OK; i++)
+        s = copy_photo(&set, &from->photo.v[i]);
     if (s == TZ_OK && from->background)
         s = tz_strdup(ctx, from->background, &set.background);
     if (s != TZ_OK)
@@ -158,8 +187,16 @@ static const char *fault_of_tables(const tz_element_set *s, int32_t *at)
     for (*at = 0; *at < s->kind.n; ++*at)
         if (!s->kind.v[*at].name)
             return "class";
+    for (*at = 0; *at < s->photo.n; ++*at)
+        if (!s->photo.v[*at].path || s->photo.v[*at].width < 1 ||
+            s->photo.v[*at].height < 1)
+            return "photo";
     for (*at = 0; *at < s->symbol.n; ++*at) {
         const tz_element_symbol *y = &s->symbol.v[*at];
+        if (y->photo_scale != 0 &&
+            (!positive(y->photo_scale) || y->photo < 0 || y->photo >= s->photo.n ||
+             !isfinite(y->photo_at.x) || !isfinite(y->photo_at.y)))
+            return "symbol";
         if (!y->id || !y->markup || !positive(y->radius))
             return "symbol";
         for (int32_t k = 0; k < y->outline.n; k++)

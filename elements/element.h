@@ -48,8 +48,21 @@ typedef struct tz_element_symbol {
     TZ_ARRAY(tz_vec2)
     outline; /**< polygons, flattened to 1/50 of the radius */
     TZ_ARRAY(int32_t)
-    part; /**< first point of each polygon */
+    part;               /**< first point of each polygon */
+    double photo_scale; /**< px of its photo a unit; 0 = drawn: it has none */
+    tz_vec2 photo_at;   /**< px of its photo that the origin lies on */
+    int32_t photo;      /**< index into tz_element_set.photo */
 } tz_element_symbol;
+
+/** A photo that shapes are cut from: what lies inside the outline, with a soft border. */
+typedef struct tz_element_photo {
+    char *path;      /**< as this program opens it; the document holds it relative to
+                              itself; owned */
+    char sha256[65]; /**< of the file, "" = unknown */
+    int32_t width, height;
+    char *plate; /**< photo of the ground with the things taken out, of the same size, or
+                      NULL; owned */
+} tz_element_photo;
 
 typedef struct tz_element_set {
     tz_domain domain;
@@ -61,12 +74,14 @@ typedef struct tz_element_set {
     kind;
     TZ_ARRAY(tz_element_symbol)
     symbol;
+    TZ_ARRAY(tz_element_photo)
+    photo;
     char *background; /**< SVG markup beneath all elements, owned; NULL = none */
     tz_ctx *ctx;
 } tz_element_set;
 
 TZ_API void tz_element_set_deinit(tz_element_set *s); /**< takes zeroed */
-/** Kinds, symbols and background of `from`, no elements: the start of a layout.
+/** Kinds, symbols, photos and background of `from`, no elements: the start of a layout.
  * @param domain   NULL = that of `from`
  * @param[out] to  overwritten, not freed (it may be uninitialised); zeroed on error
  * @return TZ_OK; TZ_NOMEM */

@@ -452,8 +452,8 @@ static tz_status read_all(own *o)
     tz_status s = tz_svg_attr(root, "tz:size") ? read_numbers(o, root, "tz:size") : TZ_OK;
     if (s != TZ_OK || o->number.n != 3 || !(o->number.v[0] > 0) || !(o->number.v[1] > 0))
         return s == TZ_NOMEM ? s : bad(o, root, "tz:size does not hold three sizes");
-    r->set.domain = (tz_domain){{o->number.v[0], o->number.v[1], o->number.v[2]},
-                                is_one(root, "tz:torus")};
+    r->set.domain = (tz_domain){.size = {o->number.v[0], o->number.v[1], o->number.v[2]},
+                                .torus = is_one(root, "tz:torus")};
     r->view = (tz_vec2){o->number.v[0], o->number.v[1]};
     s = tz_style_load(r);
     if (s == TZ_OK)

@@ -172,7 +172,7 @@ static tz_status read_drawing(tz_element_reader *r)
     if (s == TZ_OK && r->thing.n > 2000000)
         return tz_fail(r->ctx, TZ_LIMIT, "%s: over 2 million elements; split the drawing",
                        r->name);
-    r->set.domain = (tz_domain){{r->view.x, r->view.y, 0}, false};
+    r->set.domain = (tz_domain){.size = {r->view.x, r->view.y, 0}, .torus = false};
     if (s == TZ_OK && r->thing.n > 0) {
         qsort(r->thing.v, (size_t)r->thing.n, sizeof *r->thing.v, by_order);
         s = tz_element_symbols(r, 0);

@@ -150,7 +150,7 @@ bool tz_star_allowed(const tz_grower *g, const tz_rule *r, const tz_star *s)
 /* Smallest distance of two points on the domain. */
 static double apart(const tz_grower *g, tz_vec2 a, tz_vec2 b)
 {
-    const tz_domain d = {{g->p.size[0], g->p.size[1], 0}, g->p.tile};
+    const tz_domain d = {.size = {g->p.size[0], g->p.size[1], 0}, .torus = g->p.tile};
     const tz_vec3 v =
         tz_domain_vector(&d, (tz_vec3){a.x, a.y, 0}, (tz_vec3){b.x, b.y, 0});
     return sqrt(v.x * v.x + v.y * v.y);

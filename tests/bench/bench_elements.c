@@ -20,8 +20,9 @@ static void measure(tz_ctx *ctx, const char *name, const tz_element_set *ex,
     int32_t n = 0;
     /* so large that some 10,000 elements fit */
     const double scale = sqrt(10000.0 / ex->element.n);
-    const tz_domain d = {{ex->domain.size.x * scale, ex->domain.size.y * scale, 0},
-                         false};
+    const tz_domain d = {
+        .size = {ex->domain.size.x * scale, ex->domain.size.y * scale, 0},
+        .torus = false};
     tz_growth_params p;
     memset(&p, 0, sizeof p);
     tz_params_default(&tz_growth_param_table, &p);

@@ -73,8 +73,8 @@ static void run(int32_t wanted, pattern pattern, const char *name, int threads, 
     clock_hook c = {.n = 0};
     double step[64], energy[32];
     tz_params_default(&tz_energy_param_table, &p);
-    bench_check(ctx,
-                pattern_make(ctx, &from, pattern, (tz_domain){{160, 160, 0}, false}, 5));
+    bench_check(ctx, pattern_make(ctx, &from, pattern,
+                                  (tz_domain){.size = {160, 160, 0}, .torus = false}, 5));
     p.iterations = 0;
     bench_check(ctx, tz_energy_solve(ctx, &from, &p, &out, NULL, NULL)); /* the start */
     if (both)

@@ -12,7 +12,8 @@
 #include "base/rng.h"
 #include "elements/domain.h"
 
-static const tz_domain plain = {{120, 37, 0}, false}, torus = {{120, 37, 0}, true};
+static const tz_domain plain = {.size = {120, 37, 0}, .torus = false},
+                       torus = {.size = {120, 37, 0}, .torus = true};
 
 static void test_plain(void **state)
 {

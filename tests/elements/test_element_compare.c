@@ -10,8 +10,9 @@
 #include "elements/element_statistics.h"
 #include "tests/elements/patterns.h"
 
-static const tz_domain small = {{120, 120, 0}, false}, large = {{260, 240, 0}, false},
-                       torus = {{120, 120, 0}, true};
+static const tz_domain small = {.size = {120, 120, 0}, .torus = false},
+                       large = {.size = {260, 240, 0}, .torus = false},
+                       torus = {.size = {120, 120, 0}, .torus = true};
 
 static tz_element_likeness likeness(tz_ctx *ctx, pattern a, tz_domain da, pattern b,
                                     tz_domain db)
@@ -132,7 +133,8 @@ static void test_holes(void **state)
     assert_float_equal(v.hole[1], 10 - 4, 0.1);
     tz_element_set_deinit(&s);
     /* on a plain domain the disc stays inside it */
-    ok(ctx, pattern_begin(ctx, &s, (tz_domain){{100, 30, 0}, false}, 1, 2));
+    ok(ctx,
+       pattern_begin(ctx, &s, (tz_domain){.size = {100, 30, 0}, .torus = false}, 1, 2));
     ok(ctx, pattern_add(&s, 0, 5, 15));
     ok(ctx, pattern_add(&s, 0, 7, 20));
     ok(ctx, tz_element_compare(ctx, &s, &s, &v));
@@ -147,7 +149,7 @@ static void test_hole_by_raster(void **state)
     (void)state;
     tz_ctx *ctx = new_ctx(1);
     for (int k = 0; k < 6; k++) {
-        const tz_domain d = {{70, 50, 0}, k % 2 == 1};
+        const tz_domain d = {.size = {70, 50, 0}, .torus = k % 2 == 1};
         tz_element_set s;
         tz_field f;
         double hole, best = 0;
@@ -215,7 +217,7 @@ static void test_tiny_and_heaps(void **state)
     ok(ctx, pattern_make(ctx, &big, PATTERN_JITTER, small, 1));
     for (int32_t n = 0; n < 6; n++)
         for (int heap = 0; heap < 4; heap++) {
-            const tz_domain d = {{40, 25, 0}, heap / 2 == 1};
+            const tz_domain d = {.size = {40, 25, 0}, .torus = heap / 2 == 1};
             tz_element_set s;
             tz_element_likeness v = {.mean = -5};
             ok(ctx, pattern_begin(ctx, &s, d, 2, 4));
@@ -244,9 +246,11 @@ static tz_status compare_once(tz_ctx *ctx)
 {
     tz_element_set p = {0}, q = {0};
     tz_element_likeness v;
-    tz_status s = pattern_make(ctx, &p, PATTERN_MIXED, (tz_domain){{60, 50, 0}, true}, 1);
+    tz_status s = pattern_make(ctx, &p, PATTERN_MIXED,
+                               (tz_domain){.size = {60, 50, 0}, .torus = true}, 1);
     if (s == TZ_OK)
-        s = pattern_make(ctx, &q, PATTERN_MIXED, (tz_domain){{50, 60, 0}, false}, 2);
+        s = pattern_make(ctx, &q, PATTERN_MIXED,
+                         (tz_domain){.size = {50, 60, 0}, .torus = false}, 2);
     if (s == TZ_OK)
         s = tz_element_compare(ctx, &p, &q, &v);
     tz_element_set_deinit(&p);
@@ -268,7 +272,7 @@ static void test_threads_do_not_matter(void **state)
     for (int k = 0; k < 3; k++) {
         tz_ctx *ctx = new_ctx(threads[k]);
         v[k] = likeness(ctx, PATTERN_MIXED, large, PATTERN_JITTER,
-                        (tz_domain){{800, 700, 0}, true});
+                        (tz_domain){.size = {800, 700, 0}, .torus = true});
         end_ctx(ctx);
         assert_memory_equal(&v[k], &v[0], sizeof v[k]);
     }

@@ -89,7 +89,7 @@ static void test_cells(void **state)
     (void)state;
     tz_ctx *ctx = new_ctx(1);
     for (int torus = 0; torus < 2; torus++) {
-        const tz_domain d = {{90, 41, 0}, torus == 1};
+        const tz_domain d = {.size = {90, 41, 0}, .torus = torus == 1};
         tz_cells c = {0};
         tz_vec3 p[300];
         tz_nearby out[20];
@@ -135,8 +135,8 @@ static void begin(bench *b, pattern pattern, tz_domain domain)
     double e;
     b->ctx = new_ctx(1);
     b->out = (tz_element_set){.domain = domain};
-    ok(b->ctx,
-       pattern_make(b->ctx, &b->from, pattern, (tz_domain){{80, 80, 0}, false}, 3));
+    ok(b->ctx, pattern_make(b->ctx, &b->from, pattern,
+                            (tz_domain){.size = {80, 80, 0}, .torus = false}, 3));
     p.iterations = 0;
     ok(b->ctx, tz_energy_solve(b->ctx, &b->from, &p, &b->out, NULL, NULL));
     ok(b->ctx, tz_energy_exemplar_init(b->ctx, &b->x, &b->from, &p));
@@ -159,7 +159,7 @@ static void test_fit_is_least_squares(void **state)
     (void)state;
     for (int torus = 0; torus < 2; torus++) {
         bench b;
-        begin(&b, PATTERN_MIXED, (tz_domain){{150, 130, 0}, torus == 1});
+        begin(&b, PATTERN_MIXED, (tz_domain){.size = {150, 130, 0}, .torus = torus == 1});
         const int32_t n = b.t.n;
         for (int32_t i = 0; i < b.out.element.n; i += 7)
             b.out.element.v[i].fixed = true;
@@ -215,7 +215,7 @@ static void test_assignment_lowers_energy(void **state)
     for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
         for (int loose = 0; loose < 2; loose++) { /* however early the solver stops */
             bench b;
-            begin(&b, all[k], (tz_domain){{150, 130, 0}, true});
+            begin(&b, all[k], (tz_domain){.size = {150, 130, 0}, .torus = true});
             tz_vec2 *u = calloc((size_t)b.t.n, sizeof *u);
             const double before = tz_energy_of_positions(&b.t);
             ok(b.ctx, tz_energy_fit(&b.t, loose ? 0.3 : 1e-12, u));
@@ -262,7 +262,7 @@ static spread nearest_spread(const tz_element_set *s)
 
 static tz_domain cut_of(pattern p)
 {
-    return (tz_domain){{80, p == PATTERN_HEX ? 86.61 : 80, 0}, false};
+    return (tz_domain){.size = {80, p == PATTERN_HEX ? 86.61 : 80, 0}, .torus = false};
 }
 
 static void test_lattices_heal(void **state)
@@ -347,7 +347,7 @@ static void test_fixed_stay(void **state)
         tz_element_set from, out = {0};
         tz_energy_params p = defaults();
         p.start = start;
-        const tz_domain d = {{150, 120, 0}, start == 1};
+        const tz_domain d = {.size = {150, 120, 0}, .torus = start == 1};
         ok(ctx, pattern_make(ctx, &from, PATTERN_CHESS, cut_of(PATTERN_CHESS), 1));
         ok(ctx, tz_element_set_like(ctx, &from, &d, &out));
         for (int i = 0; i < 40; i++) { /* a third of them fixed */
@@ -385,8 +385,8 @@ static void test_classes_keep_their_shares(void **state)
     tz_ctx *ctx = new_ctx(2);
     tz_element_set from, out = {.domain = {{600, 600, 0}, false}};
     const tz_energy_params p = defaults();
-    ok(ctx,
-       pattern_make(ctx, &from, PATTERN_MIXED, (tz_domain){{160, 160, 0}, false}, 1));
+    ok(ctx, pattern_make(ctx, &from, PATTERN_MIXED,
+                         (tz_domain){.size = {160, 160, 0}, .torus = false}, 1));
     ok(ctx, tz_energy_solve(ctx, &from, &p, &out, NULL, NULL));
     double share[2] = {0};
     for (int32_t i = 0; i < from.element.n; i++)
@@ -457,7 +457,7 @@ static void test_several_samples(void **state)
     tz_element_set from, out = {0};
     tz_energy_params p = defaults();
     double energy[31];
-    const tz_domain d = {{120, 120, 0}, true};
+    const tz_domain d = {.size = {120, 120, 0}, .torus = true};
     p.start = TZ_ENERGY_GIVEN;
     p.iterations = 30;
     ok(ctx, pattern_begin(ctx, &from, d, 1, 7));
@@ -504,7 +504,7 @@ static void test_frame(void **state)
     tz_element_set from, out = {0};
     tz_energy_params p = defaults();
     double energy[6], turn = 0.5, plain[6];
-    const tz_domain d = {{80, 80, 0}, false};
+    const tz_domain d = {.size = {80, 80, 0}, .torus = false};
     const tz_energy_hook hook = {.frame = turned_frame, .user = &turn};
     p.start = TZ_ENERGY_GIVEN;
     p.iterations = 5;
@@ -555,7 +555,7 @@ static void test_border(void **state)
     for (int shape = 0; shape < 2; shape++) {
         bench b;
         double e[2];
-        begin(&b, PATTERN_JITTER, (tz_domain){{150, 130, 0}, false});
+        begin(&b, PATTERN_JITTER, (tz_domain){.size = {150, 130, 0}, .torus = false});
         b.t.hook = shape ? &hook : NULL;
         b.t.border = 0;
         ok(b.ctx, tz_energy_search(&b.t, 0, &e[0]));
@@ -635,8 +635,9 @@ static void test_odd_sizes(void **state)
                 tz_element_set from, out = {.domain = {{100, 60, 0}, torus % 2 == 1}};
                 tz_energy_params p = defaults();
                 p.start = start;
-                ok(ctx,
-                   pattern_begin(ctx, &from, (tz_domain){{20, 20, 0}, torus / 2}, 1, 4));
+                ok(ctx, pattern_begin(
+                            ctx, &from,
+                            (tz_domain){.size = {20, 20, 0}, .torus = torus / 2}, 1, 4));
                 for (int32_t i = 0; i < n; i++)
                     ok(ctx, pattern_add(&from, 0, 3 + 6 * i, 9 + 4 * i));
                 solve_odd(ctx, &from, &out, p);
@@ -658,7 +659,7 @@ static void test_heap_of_points(void **state)
     for (int torus = 0; torus < 2; torus++) {
         tz_element_set from, out = {0};
         tz_energy_params p = defaults();
-        const tz_domain d = {{200, 200, 0}, torus == 1};
+        const tz_domain d = {.size = {200, 200, 0}, .torus = torus == 1};
         p.start = TZ_ENERGY_GIVEN;
         ok(ctx, pattern_make(ctx, &from, PATTERN_JITTER, cut_of(PATTERN_JITTER), 1));
         ok(ctx, tz_element_set_like(ctx, &from, &d, &out));
@@ -723,8 +724,8 @@ static tz_status small_run(tz_ctx *ctx)
     tz_element_set from = {0}, out = {.domain = {{60, 50, 0}, true}, .ctx = ctx};
     tz_energy_params p = defaults();
     p.iterations = 2;
-    tz_status s =
-        pattern_make(ctx, &from, PATTERN_CHESS, (tz_domain){{40, 40, 0}, false}, 1);
+    tz_status s = pattern_make(ctx, &from, PATTERN_CHESS,
+                               (tz_domain){.size = {40, 40, 0}, .torus = false}, 1);
     for (int32_t i = 0; i < from.element.n; i++)
         from.element.v[i].radius = 3 + i % 2;
     if (s == TZ_OK)
@@ -757,8 +758,8 @@ static void test_threads_do_not_matter(void **state)
         tz_element_set from, out = {.domain = {{1000, 1000, 0}, true}};
         tz_energy_params p = defaults();
         p.iterations = 5;
-        ok(ctx,
-           pattern_make(ctx, &from, PATTERN_MIXED, (tz_domain){{190, 190, 0}, false}, 8));
+        ok(ctx, pattern_make(ctx, &from, PATTERN_MIXED,
+                             (tz_domain){.size = {190, 190, 0}, .torus = false}, 8));
         for (int32_t i = 0; i < from.element.n; i++)
             from.element.v[i].radius = 3 + i % 3;
         ok(ctx, tz_energy_solve(ctx, &from, &p, &out, NULL, energy[k]));

@@ -38,7 +38,7 @@ static tz_status run(tz_ctx *ctx, const tz_element_set *ex, const tz_growth_para
 static void grow(tz_ctx *ctx, const tz_element_set *ex, const tz_growth_params *p,
                  double width, double height, bool torus, tz_element_set *out)
 {
-    const tz_domain d = {{width, height, 0}, torus};
+    const tz_domain d = {.size = {width, height, 0}, .torus = torus};
     ok(ctx, tz_element_set_like(ctx, ex, &d, out));
     ok(ctx, run(ctx, ex, p, 100000, out));
 }
@@ -350,7 +350,7 @@ static void test_fixed(void **state)
     tz_ctx *ctx = new_ctx(1);
     tz_element_set ex, out;
     const tz_growth_params p = params();
-    const tz_domain d = {{300, 300, 0}, false};
+    const tz_domain d = {.size = {300, 300, 0}, .torus = false};
     ok(ctx, drawn_darts(ctx, 150, 8, 300, 1, true, &ex));
     ok(ctx, tz_element_set_like(ctx, &ex, &d, &out));
     for (int32_t i = 0; i < 12; i++) {
@@ -430,7 +430,7 @@ static void test_same_bytes(void **state)
         tz_ctx *ctx = new_ctx(k < 4 ? threads[k] : 1);
         tz_element_set ex, out;
         tz_growth_params p = params();
-        const tz_domain d = {{300, 200, 0}, true};
+        const tz_domain d = {.size = {300, 200, 0}, .torus = true};
         p.seed += k == 4;
         ok(ctx, drawn_darts(ctx, 150, 8, 300, 3, true, &ex));
         ok(ctx, tz_element_set_like(ctx, &ex, &d, &out));
@@ -454,7 +454,7 @@ static void test_cancel(void **state)
     tz_ctx *ctx = new_ctx(1);
     tz_element_set ex, out;
     const tz_growth_params p = params();
-    const tz_domain d = {{400, 400, 0}, true};
+    const tz_domain d = {.size = {400, 400, 0}, .torus = true};
     ok(ctx, drawn_darts(ctx, 150, 8, 300, 3, true, &ex));
     for (int32_t steps = 0; steps < 8; steps++) {
         tz_growth *g = NULL;
@@ -482,7 +482,7 @@ static tz_status grow_small(tz_ctx *ctx)
 {
     tz_element_set ex, out;
     tz_growth_params p = params();
-    const tz_domain d = {{120, 90, 0}, false};
+    const tz_domain d = {.size = {120, 90, 0}, .torus = false};
     tz_growth *g = NULL;
     bool more = true;
     p.optimise = TZ_GROWTH_GLOBAL;

@@ -11,7 +11,7 @@ tz_status drawn_set(tz_ctx *ctx, double width, double height, bool torus, int32_
     tz_element_symbol y = {.radius = 1};
     memset(s, 0, sizeof *s);
     s->ctx = ctx;
-    s->domain = (tz_domain){{width, height, 0}, torus};
+    s->domain = (tz_domain){.size = {width, height, 0}, .torus = torus};
     tz_status st = tz_array_reserve(ctx, &s->symbol, 1);
     if (st == TZ_OK) /* owned by the set from here, whole or not */
         s->symbol.v[s->symbol.n++] = y;
