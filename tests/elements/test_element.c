@@ -51,7 +51,7 @@ static void like_copies_all_but_elements(void **state)
     (void)state;
     tz_ctx *ctx = new_ctx(1);
     tz_element_set a, b;
-    const tz_domain wide = {{300, 200, 0}, true};
+    const tz_domain wide = {.size = {300, 200, 0}, .torus = true};
     ok(ctx, make(ctx, &a, false));
     push(&a, 10, 10, 1);
     ok(ctx, tz_element_set_like(ctx, &a, &wide, &b));
