@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Things of a photo: pebbles, setts, stones, leaves, tiles. Photo to elements, each cut
+ * out along its outline, and to the plate: the photo with the things taken out.
+ * @source Arbelaez et al., Contour detection and hierarchical image segmentation, PAMI
+ *   2011; Salembier, Garrido, Binary partition tree, TIP 2000; Barnes et al., PatchMatch,
+ *   SIGGRAPH 2009 */
+#ifndef TZ_ANALYSIS_THINGS_H
+#define TZ_ANALYSIS_THINGS_H
+
+#include "base/image.h"
+#include "base/param.h"
+#include "elements/element.h"
+
+/** Table: tz_things_param_table. */
+typedef struct tz_things_params {
+    double size_range[2]; /**< px, diameter of a circle of a thing's area, least and
+                               largest; 0 = automatic */
+    int32_t classes;      /**< wanted number of kinds, 0 = automatic */
+    double smoothing;     /**< px: deviation of the Gaussian that smooths outlines */
+    double certainty;     /**< 0..1: what is less surely a thing is ground */
+    char model
+        [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own */
+} tz_things_params;
+TZ_API extern const tz_param_table tz_things_param_table;
+
+/** Finds the things of a photo.
+ *
+ * The set: the domain is plain, one unit a px, as large as the photo. Every thing has a
+ * symbol of its own ("thing-1", ...) with photo 0, photo_scale 1, markup "" and photo_at =
+ * the element's place; its outline is what is seen of the thing, to 1/4 px, holes as
+ * further polygons (even-odd), none of which shows a pixel of another thing. Elements
+ * stand by rising depth; angle is 0 and scale 1; long things have several samples along
+ * their axis. `cut` is set where the photo's border cuts a thing. A thing that another
+ * one covers in part keeps its visible outline, but `at` and `radius` are those of the
+ * whole, completed by an ellipse, where the hidden part is estimated to be under a third.
+ * set.photo[0] has the size and an empty path: see tz_things_name_photo.
+ *
+ * @param photo        1 to 4 channels, any encoding but data
+ * @param[out] out     overwritten, not freed; zeroed on error; no elements where there
+ *                     are no things
+ * @param[out] plate   NULL, or overwritten: 3 channels (1 of a grey photo), the photo's
+ *                     size and encoding; empty on error
+ * @param[out] label   NULL, or width * height: index of the element that is seen there,
+ *                     -1 = ground; unspecified on error
+ * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED; what the model reader returns
+ * @cost O(pixels); memory about 150 bytes a px */
+TZ_API tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
+                                const tz_things_params *params, tz_element_set *out,
+                                tz_image *plate, int32_t *label);
+
+/** Says where photo 0 of a set is kept; needed before the set is written as SVG.
+ * @param path    as this program opens it
+ * @param sha256  of the file, NULL = unknown
+ * @param plate   as this program opens it, NULL = none
+ * @return TZ_OK; TZ_INVALID (the set has no photo); TZ_NOMEM (nothing is changed) */
+TZ_API tz_status tz_things_name_photo(tz_element_set *s, const char *path,
+                                      const char *sha256, const char *plate);
+
+#endif
