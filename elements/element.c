@@ -34,6 +34,7 @@ void tz_element_set_deinit(tz_element_set *s)
     tz_array_free(ctx, &s->kind);
     tz_array_free(ctx, &s->symbol);
     tz_free(ctx, s->background);
+    tz_free(ctx, s->recipe);
     memset(s, 0, sizeof *s);
 }
 

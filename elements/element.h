@@ -77,6 +77,7 @@ typedef struct tz_element_set {
     TZ_ARRAY(tz_element_photo)
     photo;
     char *background; /**< SVG markup beneath all elements, owned; NULL = none */
+    char *recipe;     /**< JSON text of how a layout was made, owned; NULL = none */
     tz_ctx *ctx;
 } tz_element_set;
 

@@ -33,7 +33,7 @@ TZ_API tz_status tz_element_parse_svg(tz_ctx *ctx, const char *name, const char 
                                       size_t size, const tz_element_read_options *options,
                                       tz_element_set *s);
 
-/** Writes symbols and one <use> an element; reading gives the same set, bit for bit, but
+/** Writes the recipe, symbols and one <use> an element; reading gives the same set, bit for bit, but
  * for outlines, which are made anew. A foreign viewer shows it as it is. */
 TZ_API tz_status tz_element_write_svg(tz_ctx *ctx, const char *path,
                                       const tz_element_set *s);
@@ -44,6 +44,9 @@ TZ_API tz_status tz_element_write_json(tz_ctx *ctx, const char *path,
 /** The same as rows, with a line of names first. */
 TZ_API tz_status tz_element_write_csv(tz_ctx *ctx, const char *path,
                                       const tz_element_set *s);
+/** Whether tz_element_write can write a file of that name.
+ * @return TZ_OK; TZ_INVALID */
+TZ_API tz_status tz_element_write_check(tz_ctx *ctx, const char *path);
 /** By the name's suffix: .svg, .json or .csv; "-" is standard output, as SVG. */
 TZ_API tz_status tz_element_write(tz_ctx *ctx, const char *path, const tz_element_set *s);
 

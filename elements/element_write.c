@@ -214,6 +214,12 @@ tz_status tz_element_write_svg(tz_ctx *ctx, const char *path, const tz_element_s
     tz_svg_set(&w, "tz:document", "elements");
     tz_svg_set_numbers(&w, "tz:size", size, 3);
     tz_svg_set(&w, "tz:torus", s->domain.torus ? "1" : "0");
+    if (s->recipe) {
+        tz_svg_begin(&w, "metadata");
+        tz_svg_set(&w, "id", "tz-recipe");
+        tz_svg_put_text(&w, s->recipe);
+        tz_svg_end(&w);
+    }
     tz_svg_begin(&w, "defs");
     put_kinds(&w, s);
     if (s->background)
@@ -347,15 +353,36 @@ tz_status tz_element_write_csv(tz_ctx *ctx, const char *path, const tz_element_s
     return write_table(ctx, path, s, false);
 }
 
+typedef tz_status (*writer)(tz_ctx *ctx, const char *path, const tz_element_set *s);
+
+/** What writes a file of that name, or NULL. */
+static writer writer_of(const char *path)
+{
+    static const struct {
+        const char *suffix;
+        writer write;
+    } list[] = {{".svg", tz_element_write_svg},
+                {".json", tz_element_write_json},
+                {".csv", tz_element_write_csv}};
+    const char *dot = strrchr(path, '.');
+    if (strcmp(path, "-") == 0)
+        return tz_element_write_svg;
+    for (size_t i = 0; dot && i < sizeof list / sizeof *list; i++)
+        if (strcasecmp(dot, list[i].suffix) == 0)
+            return list[i].write;
+    return NULL;
+}
+
+tz_status tz_element_write_check(tz_ctx *ctx, const char *path)
+{
+    return writer_of(path)
+               ? TZ_OK
+               : tz_fail(ctx, TZ_INVALID,
+                         "%s: elements are written as .svg, .json or .csv", path);
+}
+
 tz_status tz_element_write(tz_ctx *ctx, const char *path, const tz_element_set *s)
 {
-    const char *dot = strrchr(path, '.');
-    if (strcmp(path, "-") == 0 || (dot && strcasecmp(dot, ".svg") == 0))
-        return tz_element_write_svg(ctx, path, s);
-    if (dot && strcasecmp(dot, ".json") == 0)
-        return tz_element_write_json(ctx, path, s);
-    if (dot && strcasecmp(dot, ".csv") == 0)
-        return tz_element_write_csv(ctx, path, s);
-    return tz_fail(ctx, TZ_INVALID, "%s: elements are written as .svg, .json or .csv",
-                   path);
+    const tz_status status = tz_element_write_check(ctx, path);
+    return status == TZ_OK ? writer_of(path)(ctx, path, s) : status;
 }
