@@ -97,6 +97,11 @@ typedef struct tz_element_reader {
     tz_element_set set;
 } tz_element_reader;
 
+/* element_svg_read.c */
+/** Size of the view, and the map that moves its corner to 0, 0. */
+tz_status tz_element_view(tz_element_reader *r, tz_affine *map);
+void tz_element_reader_deinit(tz_element_reader *r);
+
 /* element_style.c */
 tz_style tz_style_initial(void);
 tz_status tz_style_load(tz_element_reader *r);
@@ -120,6 +125,8 @@ tz_status tz_element_length(tz_element_reader *r, tz_svg_node n, const char *nam
 /* element_svg_walk.c */
 /** The whole drawing, or (node not NULL) the content of one node through a map. */
 tz_status tz_element_walk(tz_element_reader *r, tz_svg_node content, tz_affine map);
+/** All shapes of the drawing as parts, in drawing order; no things, no background. */
+tz_status tz_element_walk_shapes(tz_element_reader *r, tz_affine map);
 void tz_element_walk_end(tz_element_reader *r);
 
 /* element_group.c */

@@ -16,8 +16,7 @@ static tz_status no_size(tz_element_reader *r, tz_svg_node root)
                    r->name, tz_svg_line(root));
 }
 
-/** Size of the view, and the map that moves its corner to 0, 0. */
-static tz_status read_view(tz_element_reader *r, tz_affine *map)
+tz_status tz_element_view(tz_element_reader *r, tz_affine *map)
 {
     tz_svg_node root = tz_svg_root(r->doc);
     const char *text = tz_svg_attr(root, "viewBox");
@@ -160,7 +159,7 @@ static tz_status rank_depths(tz_element_reader *r)
 static tz_status read_drawing(tz_element_reader *r)
 {
     tz_affine map = {1, 0, 0, 1, 0, 0};
-    tz_status s = read_view(r, &map);
+    tz_status s = tz_element_view(r, &map);
     if (s == TZ_OK)
         s = tz_style_load(r);
     if (s == TZ_OK)
@@ -211,7 +210,7 @@ static tz_status read_document(tz_element_reader *r, const char *text)
     return read_drawing(r);
 }
 
-static void reader_free(tz_element_reader *r)
+void tz_element_reader_deinit(tz_element_reader *r)
 {
     tz_ctx *ctx = r->ctx;
     tz_element_walk_end(r);
@@ -246,7 +245,7 @@ tz_status tz_element_parse_svg(tz_ctx *ctx, const char *name, const char *text,
         *s = r.set;
         memset(&r.set, 0, sizeof r.set);
     }
-    reader_free(&r);
+    tz_element_reader_deinit(&r);
     return st;
 }
 

@@ -426,9 +426,10 @@ static tz_status walk(tz_element_reader *r, tz_svg_node n, const state *up, bool
     return nested ? walk_nested(r, n, &s) : walk_group(r, n, &s);
 }
 
-tz_status tz_element_walk(tz_element_reader *r, tz_svg_node content, tz_affine map)
+static tz_status walk_content(tz_element_reader *r, tz_svg_node content, tz_affine map,
+                              bool owned)
 {
-    state s = {.map = map, .style = tz_style_initial()};
+    state s = {.map = map, .style = tz_style_initial(), .owned = owned};
     tz_svg_node n = content ? content : tz_svg_root(r->doc);
     tz_style root;
     tz_status st = tz_style_at(r, n, &s.style, &root);
@@ -437,4 +438,14 @@ tz_status tz_element_walk(tz_element_reader *r, tz_svg_node content, tz_affine m
     s.style = root;
     s.style.pattern = NULL;
     return walk_children(r, n, &s);
+}
+
+tz_status tz_element_walk(tz_element_reader *r, tz_svg_node content, tz_affine map)
+{
+    return walk_content(r, content, map, false);
+}
+
+tz_status tz_element_walk_shapes(tz_element_reader *r, tz_affine map)
+{
+    return walk_content(r, NULL, map, true);
 }
