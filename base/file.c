@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -163,6 +164,7 @@ static void out_free(tz_file_out *out)
     slot_release(out->slot);
     tz_free(out->ctx, out->path);
     tz_free(out->ctx, out->temp);
+    free(out->text);
     *out = (tz_file_out){.slot = -1};
 }
 
@@ -232,6 +234,31 @@ tz_status tz_file_out_open(tz_ctx *ctx, const char *path, tz_file_out *out)
     if (s != TZ_OK)
         out_free(&t);
     *out = t;
+    return s;
+}
+
+tz_status tz_file_out_open_text(tz_ctx *ctx, const char *name, tz_file_out *out)
+{
+    *out = (tz_file_out){.ctx = ctx, .slot = -1};
+    tz_status s = tz_strdup(ctx, name, &out->path);
+    if (s != TZ_OK)
+        return s;
+    out->f = open_memstream(&out->text, &out->size);
+    if (!out->f) {
+        s = fail_errno(ctx, name, "cannot be made", errno);
+        out_free(out);
+    }
+    return s;
+}
+
+tz_status tz_file_out_text(tz_file_out *out, char **text)
+{
+    tz_ctx *ctx = out->ctx;
+    const bool bad = fclose(out->f) != 0 || !out->text; /* now text is whole */
+    out->f = NULL;
+    tz_status s = bad ? fail_errno(ctx, out->path, "cannot be made", ENOMEM)
+                      : tz_strdup(ctx, out->text, text);
+    out_free(out);
     return s;
 }
 

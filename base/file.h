@@ -22,9 +22,16 @@ typedef struct tz_file_out {
     char *path, *temp; /* temp NULL for standard output */
     tz_ctx *ctx;
     int slot;
+    char *text; /**< of output in memory, from the C library's heap */
+    size_t size;
 } tz_file_out;
 
 TZ_API tz_status tz_file_out_open(tz_ctx *ctx, const char *path, tz_file_out *out);
+/** Output into memory: `out` must stay where it is until tz_file_out_text.
+ * @param name  stands for it in messages */
+TZ_API tz_status tz_file_out_open_text(tz_ctx *ctx, const char *name, tz_file_out *out);
+/** Ends output into memory. @param[out] text  caller frees with tz_free */
+TZ_API tz_status tz_file_out_text(tz_file_out *out, char **text);
 /** Flushes, checks every write error, renames. On failure removes the temporary file. */
 TZ_API tz_status tz_file_out_commit(tz_file_out *out);
 TZ_API void tz_file_out_abort(tz_file_out *out); /**< takes zeroed */

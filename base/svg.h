@@ -86,6 +86,9 @@ typedef struct tz_svg_writer {
  * xlink and tz namespaces. */
 TZ_API tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width,
                                     double height, tz_svg_writer *w);
+/** The same in memory: `w` must stay where it is. @param name  stands for it in messages */
+TZ_API tz_status tz_svg_writer_open_text(tz_ctx *ctx, const char *name, double width,
+                                         double height, tz_svg_writer *w);
 TZ_API void tz_svg_begin(tz_svg_writer *w, const char *name); /**< name must be static */
 TZ_API void tz_svg_set(tz_svg_writer *w, const char *attr,
                        const char *value); /**< escapes */
@@ -100,6 +103,9 @@ TZ_API void tz_svg_put_text(tz_svg_writer *w, const char *text); /**< escapes */
 TZ_API void tz_svg_end(tz_svg_writer *w);
 /** Ends all open elements, commits the file; returns the first failure. */
 TZ_API tz_status tz_svg_writer_close(tz_svg_writer *w);
+/** The same for a document in memory. @param[out] text  caller frees with tz_free; without
+ * the XML declaration, so that it can stand within another document */
+TZ_API tz_status tz_svg_writer_close_text(tz_svg_writer *w, char **text);
 TZ_API void tz_svg_writer_abort(tz_svg_writer *w);
 
 #endif

@@ -43,15 +43,10 @@ static void close_tag(tz_svg_writer *w)
     w->in_tag = false;
 }
 
-tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width, double height,
-                             tz_svg_writer *w)
+/** The root. */
+static tz_status open_root(double width, double height, tz_svg_writer *w)
 {
-    memset(w, 0, sizeof *w);
-    tz_status s = tz_file_out_open(ctx, path, &w->out);
-    if (s != TZ_OK)
-        return w->status = s;
-    double box[4] = {0, 0, width, height};
-    put(w, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
+    const double box[4] = {0, 0, width, height};
     tz_svg_begin(w, "svg");
     tz_svg_set(w, "xmlns", TZ_SVG_NS);
     tz_svg_set(w, "xmlns:xlink", TZ_XLINK_NS);
@@ -60,10 +55,29 @@ tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width, double
     tz_svg_set_number(w, "width", width);
     tz_svg_set_number(w, "height", height);
     tz_svg_set_numbers(w, "viewBox", box, 4);
-    s = w->status;
+    const tz_status s = w->status;
     if (s != TZ_OK)
         tz_svg_writer_abort(w);
     return s;
+}
+
+tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width, double height,
+                             tz_svg_writer *w)
+{
+    memset(w, 0, sizeof *w);
+    tz_status s = tz_file_out_open(ctx, path, &w->out);
+    if (s != TZ_OK)
+        return w->status = s;
+    put(w, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
+    return open_root(width, height, w);
+}
+
+tz_status tz_svg_writer_open_text(tz_ctx *ctx, const char *name, double width,
+                                  double height, tz_svg_writer *w)
+{
+    memset(w, 0, sizeof *w);
+    tz_status s = tz_file_out_open_text(ctx, name, &w->out);
+    return s == TZ_OK ? open_root(width, height, w) : (w->status = s);
 }
 
 void tz_svg_begin(tz_svg_writer *w, const char *name)
@@ -167,12 +181,26 @@ void tz_svg_end(tz_svg_writer *w)
     w->in_tag = false;
 }
 
-tz_status tz_svg_writer_close(tz_svg_writer *w)
+static tz_status end_all(tz_svg_writer *w)
 {
     while (w->open.n > 0 && w->status == TZ_OK)
         tz_svg_end(w);
     put(w, "\n");
-    tz_status s = w->status;
+    return w->status;
+}
+
+tz_status tz_svg_writer_close_text(tz_svg_writer *w, char **text)
+{
+    tz_status s = end_all(w);
+    if (s == TZ_OK)
+        s = tz_file_out_text(&w->out, text);
+    tz_svg_writer_abort(w);
+    return s;
+}
+
+tz_status tz_svg_writer_close(tz_svg_writer *w)
+{
+    tz_status s = end_all(w);
     tz_array_free(w->out.ctx, &w->open);
     if (s == TZ_OK)
         s = tz_file_out_commit(&w->out);

@@ -79,6 +79,11 @@ TZ_API uint32_t tz_layout_stamp(tz_affine map);
  * <g transform> of the clipped photo, so that it can be moved there and read back.
  * Round trip is exact (maps and borders bit for bit). */
 TZ_API tz_status tz_layout_write(tz_ctx *ctx, const char *path, const tz_layout *l);
+/** The same as an <svg> element that can stand within another document.
+ * @param path  of that document: photos are referred to from there
+ * @param[out] text  caller frees with tz_free */
+TZ_API tz_status tz_layout_text(tz_ctx *ctx, const char *path, const tz_layout *l,
+                                char **text);
 /** Reads a layout, also after Inkscape has edited it: nested groups and transforms are
  * multiplied, order is drawing order, hidden or deleted placements are gone.
  * @return TZ_OK; TZ_IO; TZ_FORMAT with line and fault; TZ_LIMIT; TZ_NOMEM */
