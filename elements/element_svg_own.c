@@ -2,12 +2,13 @@
 /* Reading what elements/element_write.c has written, also after an editor has been at it.
  * Where an element's transform is the one that was written, its numbers are taken as they
  * stand, bit for bit. Where an artist has moved it, the transform counts: its samples go
- * along and it is fixed. A <use> without our attributes is a new element. */
+ * along and it is fixed. A <use> without our attributes is a new element; one that is
+ * hidden or deleted is none any more. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "elements/element_svg_internal.h"
+#include "elements/element_svg_photo.h"
 
 enum { PLACE = 10, DEEPEST = 256 };
 
@@ -104,6 +105,33 @@ static void symbol_free(tz_ctx *ctx, tz_element_symbol *y)
     tz_array_free(ctx, &y->part);
 }
 
+/** Appends a symbol, or frees what there is of it. */
+static tz_status keep_symbol(own *o, tz_svg_node n, tz_element_symbol *y, tz_status s)
+{
+    tz_element_reader *r = o->r;
+    if (s == TZ_OK)
+        s = tz_array_push(r->ctx, &o->symbol, n);
+    if (s == TZ_OK)
+        s = tz_array_push(r->ctx, &r->set.symbol, *y);
+    if (s != TZ_OK)
+        symbol_free(r->ctx, y);
+    return s;
+}
+
+static tz_status read_cut(own *o, tz_svg_node n, const char *id)
+{
+    tz_element_reader *r = o->r;
+    tz_element_symbol y = {0};
+    if (!tz_svg_number(tz_svg_attr(n, "tz:radius"), &y.radius))
+        y.radius = 0;
+    tz_status s = tz_strdup(r->ctx, id, &y.id);
+    if (s == TZ_OK)
+        s = copy_markup(r, "", 0, &y.markup);
+    if (s == TZ_OK)
+        s = tz_element_read_cut(r, n, &y);
+    return keep_symbol(o, n, &y, s);
+}
+
 static tz_status read_symbol(own *o, tz_svg_node n)
 {
     tz_element_reader *r = o->r;
@@ -114,6 +142,8 @@ static tz_status read_symbol(own *o, tz_svg_node n)
     if (!id || !*id)
         return TZ_OK;
     const char *raw = raw_markup(o, id, &size);
+    if (tz_element_is_cut(n))
+        return read_cut(o, n, id);
     tz_svg_node child = tz_svg_child(n);
     const bool disc = child && tz_svg_attr(child, "tz:disc");
     tz_status s = read_parts(r, n, &item);
@@ -142,13 +172,7 @@ static tz_status read_symbol(own *o, tz_svg_node n)
     if (s == TZ_OK)
         s = tz_element_outline(r, items_from(r, item), r->item.n - item,
                                tz_affine_identity(), &y);
-    if (s == TZ_OK)
-        s = tz_array_push(r->ctx, &o->symbol, n);
-    if (s == TZ_OK)
-        s = tz_array_push(r->ctx, &r->set.symbol, y);
-    if (s != TZ_OK)
-        symbol_free(r->ctx, &y);
-    return s;
+    return keep_symbol(o, n, &y, s);
 }
 
 static bool is_one(tz_svg_node n, const char *attr)
@@ -183,6 +207,8 @@ static tz_status read_tables(own *o, tz_svg_node n, int depth)
         const char *id = tz_svg_attr(c, "id");
         if (tz_svg_is(c, "symbol"))
             s = read_symbol(o, c);
+        else if (tz_svg_is(c, "image"))
+            s = tz_element_read_image(o->r, c);
         else if (tz_svg_is(c, "g") && id && strcmp(id, "tz-kinds") == 0)
             s = read_kinds(o->r, c);
         else if (depth < DEEPEST && (tz_svg_is(c, "defs") || tz_svg_is(c, "g")))
@@ -335,6 +361,7 @@ static tz_status read_use(own *o, const entry *table, tz_svg_node n, tz_affine m
     tz_element_reader *r = o->r;
     const bool known = tz_svg_attr(n, "tz:place") != NULL;
     double x, y;
+    bool hidden;
     int32_t index = -1;
     tz_element e = {.symbol = symbol_of(o, table, n),
                     .source = -1,
@@ -350,6 +377,10 @@ static tz_status read_use(own *o, const entry *table, tz_svg_node n, tz_affine m
         s = tz_element_length(r, n, "y", r->view.y, 0, &y);
     if (s == TZ_OK && known)
         s = read_place(o, n, &e, &index);
+    if (s == TZ_OK)
+        s = tz_element_is_hidden(r, n, &hidden);
+    if (s == TZ_OK && hidden && !(known && r->set.kind.v[e.kind].is_void))
+        return TZ_OK; /* void elements are hidden as they are written */
     if (s == TZ_OK)
         s = read_samples(o, n, &e);
     if (s != TZ_OK)
@@ -371,6 +402,17 @@ static tz_status read_use(own *o, const entry *table, tz_svg_node n, tz_affine m
 }
 
 static tz_status read_elements(own *o, const entry *table, tz_svg_node n, tz_affine map,
+                               int depth);
+
+static tz_status read_group(own *o, const entry *table, tz_svg_node n, tz_affine map,
+                            int depth)
+{
+    bool hidden;
+    const tz_status s = tz_element_is_hidden(o->r, n, &hidden);
+    return s != TZ_OK || hidden ? s : read_elements(o, table, n, map, depth);
+}
+
+static tz_status read_elements(own *o, const entry *table, tz_svg_node n, tz_affine map,
                                int depth)
 {
     tz_status s = TZ_OK;
@@ -389,7 +431,7 @@ static tz_status read_elements(own *o, const entry *table, tz_svg_node n, tz_aff
         if (use)
             s = read_use(o, table, c, all);
         else if (depth < DEEPEST)
-            s = read_elements(o, table, c, all, depth + 1);
+            s = read_group(o, table, c, all, depth + 1);
     }
     return s;
 }
@@ -458,6 +500,8 @@ static tz_status read_all(own *o)
     s = tz_style_load(r);
     if (s == TZ_OK)
         s = read_tables(o, root, 0);
+    if (s == TZ_OK)
+        s = tz_element_join_photos(r);
     if (s == TZ_OK)
         s = tz_alloc(r->ctx, &table, (size_t)o->symbol.n, sizeof *table);
     for (int32_t i = 0; i < o->symbol.n && s == TZ_OK; i++)

@@ -6,14 +6,16 @@
  *   tz:place    "kind depth source flags x y z angle scale radius [index]",
  *               flags 1 = cut, 2 = fixed; index where drawing order is another order
  *   tz:samples  "x y z id weight ..." but for one sample of weight 1 in the middle
- * On a torus, copies marked tz:copy show what reaches over the border. */
+ * On a torus, copies marked tz:copy show what reaches over the border.
+ *
+ * Photos: element_write_photo.c. */
 #include "elements/element_io.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "base/svg.h"
+#include "elements/element_write_internal.h"
 
 /* ---- SVG --------------------------------------------------------------------------- */
 
@@ -48,7 +50,9 @@ static void put_symbols(tz_svg_writer *w, const tz_element_set *s)
         tz_svg_set(w, "id", y->id);
         tz_svg_set(w, "overflow", "visible");
         tz_svg_set_number(w, "tz:radius", y->radius);
-        if (*y->markup) {
+        if (y->photo_scale > 0) {
+            tz_element_put_cut(w, y);
+        } else if (*y->markup) {
             put_raw(w, y->markup);
         } else {
             tz_svg_begin(w, "circle");
@@ -222,17 +226,20 @@ tz_status tz_element_write_svg(tz_ctx *ctx, const char *path, const tz_element_s
     }
     tz_svg_begin(&w, "defs");
     put_kinds(&w, s);
+    st = tz_element_put_photos(ctx, path, &w, s);
     if (s->background)
         put_background(&w, s);
     put_symbols(&w, s);
     tz_svg_end(&w);
+    tz_element_put_plate(&w, s);
     if (s->background) {
         tz_svg_begin(&w, "use");
         tz_svg_set(&w, "xlink:href", "#tz-background");
         tz_svg_set(&w, "tz:copy", "1");
         tz_svg_end(&w);
     }
-    st = put_elements(&w, s);
+    if (st == TZ_OK)
+        st = put_elements(&w, s);
     if (st != TZ_OK) {
         tz_svg_writer_abort(&w);
         return st;

@@ -4,21 +4,9 @@
 #ifndef TZ_SYNTHESIS_LAYOUT_INTERNAL_H
 #define TZ_SYNTHESIS_LAYOUT_INTERNAL_H
 
+#include "base/href.h"
 #include "base/svg.h"
 #include "synthesis/layout.h"
-
-/** Reference from a document to a file: relative to the document's folder,
- * percent-encoded.
- * @param doc   path of the document, "-" = standard output: relative to the working
- * folder
- * @param path  as a program would open it
- * @param[out] out  caller frees with tz_free */
-tz_status tz_layout_href_make(tz_ctx *ctx, const char *doc, const char *path, char **out);
-/** The reverse: absolute path of the local file that `href` in `doc` means.
- * @param line  of the reference, for the message
- * @return TZ_OK; TZ_FORMAT (remote, embedded or empty reference); TZ_LIMIT; TZ_NOMEM */
-tz_status tz_layout_href_open(tz_ctx *ctx, const char *doc, int32_t line,
-                              const char *href, char **out);
 
 /** Largest subpath of a clip's shape as a polygon, curves flattened, in its user space.
  * @param clip    <clipPath> element

@@ -154,7 +154,7 @@ static tz_status find_source(tz_reader *r, tz_svg_node n, double w, double h,
     if (text && !tz_reader_integer(text, 0, INT32_MAX, &number))
         return tz_fail(r->ctx, TZ_FORMAT, "%s:%d: tz:source=\"%.40s\" is not a number",
                        r->name, line, text);
-    tz_status st = tz_layout_href_open(r->ctx, r->name, line, href, &path);
+    tz_status st = tz_href_open(r->ctx, r->name, line, href, &path);
     if (st)
         return st;
     for (int32_t i = 0; i < r->l.source.n; i++)

@@ -132,7 +132,7 @@ static tz_status put_sources(tz_ctx *ctx, const char *path, const tz_layout *l,
     for (int32_t i = 0; i < l->source.n; i++) {
         const tz_layout_source *s = &l->source.v[i];
         char *href = NULL;
-        tz_status st = tz_layout_href_make(ctx, path, s->path, &href);
+        tz_status st = tz_href_make(ctx, path, s->path, &href);
         if (st)
             return st;
         tz_svg_begin(w, "image");
@@ -236,47 +236,66 @@ static void put_placement(const tz_layout *l, int32_t id, int32_t border,
     tz_svg_end(w);
 }
 
-tz_status tz_layout_write(tz_ctx *ctx, const char *path, const tz_layout *l)
+/** What stands in the root. @param path  of the document, for references to photos */
+static tz_status put_layout(tz_ctx *ctx, const char *path, const tz_layout *l,
+                            const borders *b, tz_svg_writer *w)
+{
+    tz_svg_set(w, "tz:document", "layout");
+    if (l->tile)
+        tz_svg_set(w, "tz:tile", "1");
+    if (l->recipe) {
+        tz_svg_begin(w, "metadata");
+        tz_svg_set(w, "id", "tz-recipe");
+        tz_svg_put_text(w, l->recipe);
+        tz_svg_end(w);
+    }
+    tz_svg_begin(w, "defs");
+    tz_status st = put_sources(ctx, path, l, w);
+    if (!st)
+        st = put_borders(ctx, l, b, w);
+    if (st)
+        return st;
+    tz_svg_end(w);
+    for (int32_t i = 0; i < l->place.n; i++) {
+        if (b->of[i] >= 0)
+            put_placement(l, i, b->of[i], w);
+        if (!(i & 4095) && tz_ctx_cancelled(ctx))
+            return TZ_CANCELLED;
+        if (w->status)
+            break;
+    }
+    return w->status;
+}
+
+/** @param[out] text  NULL = to the file `path` */
+static tz_status write_layout(tz_ctx *ctx, const char *path, const tz_layout *l,
+                              char **text)
 {
     tz_svg_writer w = {0};
     borders b = {0};
-    bool open = false;
     tz_status st = find_borders(ctx, l, &b);
-    if (!st)
-        st = tz_svg_writer_open(ctx, path, l->width, l->height, &w);
-    if (st)
-        goto done;
-    open = true;
-    tz_svg_set(&w, "tz:document", "layout");
-    if (l->tile)
-        tz_svg_set(&w, "tz:tile", "1");
-    if (l->recipe) {
-        tz_svg_begin(&w, "metadata");
-        tz_svg_set(&w, "id", "tz-recipe");
-        tz_svg_put_text(&w, l->recipe);
-        tz_svg_end(&w);
+    if (!st) {
+        st = text ? tz_svg_writer_open_text(ctx, path, l->width, l->height, &w)
+                  : tz_svg_writer_open(ctx, path, l->width, l->height, &w);
+        if (!st) {
+            st = put_layout(ctx, path, l, &b, &w);
+            if (st)
+                tz_svg_writer_abort(&w);
+            else
+                st = text ? tz_svg_writer_close_text(&w, text) : tz_svg_writer_close(&w);
+        }
     }
-    tz_svg_begin(&w, "defs");
-    st = put_sources(ctx, path, l, &w);
-    if (!st)
-        st = put_borders(ctx, l, &b, &w);
-    if (st)
-        goto done;
-    tz_svg_end(&w);
-    for (int32_t i = 0; i < l->place.n; i++) {
-        if (b.of[i] >= 0)
-            put_placement(l, i, b.of[i], &w);
-        if (!(i & 4095) && tz_ctx_cancelled(ctx))
-            st = TZ_CANCELLED;
-        if (st || w.status)
-            break;
-    }
-done:
-    if (open && st)
-        tz_svg_writer_abort(&w);
-    else if (open)
-        st = tz_svg_writer_close(&w);
     tz_free(ctx, b.of);
     tz_free(ctx, b.first);
     return st;
+}
+
+tz_status tz_layout_write(tz_ctx *ctx, const char *path, const tz_layout *l)
+{
+    return write_layout(ctx, path, l, NULL);
+}
+
+tz_status tz_layout_text(tz_ctx *ctx, const char *path, const tz_layout *l, char **text)
+{
+    return write_layout(ctx, path, l, text);
 }

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/** @file
- * References from a layout document to photos. In memory a source's path is one that the
- * program can open; in the document it is relative to the document's folder, so that a
- * folder with both can be moved. Folders are taken with symbolic links resolved, because
- * ".." means the real parent to the system that opens the file later. */
+/* References from a document to files. Folders are taken with symbolic links resolved,
+ * because ".." means the real parent to the system that opens the file later. */
+#include "base/href.h"
+
 #include <limits.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
-
-#include "synthesis/layout_internal.h"
 
 /** Appends the components of `path` to `out` ("" = root), resolving "." and "..".
  * @return false if it does not fit */
@@ -72,7 +71,7 @@ static tz_status folder(tz_ctx *ctx, const char *doc, char out[PATH_MAX])
     return TZ_OK;
 }
 
-tz_status tz_layout_href_make(tz_ctx *ctx, const char *doc, const char *path, char **out)
+tz_status tz_href_make(tz_ctx *ctx, const char *doc, const char *path, char **out)
 {
     char from[PATH_MAX] = "", to[PATH_MAX] = "";
     tz_status st = folder(ctx, doc, from);
@@ -138,8 +137,8 @@ static size_t scheme(const char *s)
 
 static bool is_local_host(const char *s) { return !*s || !strcmp(s, "localhost"); }
 
-tz_status tz_layout_href_open(tz_ctx *ctx, const char *doc, int32_t line,
-                              const char *href, char **out)
+tz_status tz_href_open(tz_ctx *ctx, const char *doc, int32_t line, const char *href,
+                       char **out)
 {
     char base[PATH_MAX], decoded[PATH_MAX], full[2 * PATH_MAX], path[PATH_MAX];
     const char *s = href + strspn(href, " \t\r\n");
@@ -205,4 +204,21 @@ tz_status tz_layout_href_open(tz_ctx *ctx, const char *doc, int32_t line,
     }
     st = absolute(ctx, full, path);
     return st ? st : tz_strdup(ctx, path, out);
+}
+
+tz_status tz_href_open_here(tz_ctx *ctx, const char *doc, int32_t line, const char *href,
+                            char **out)
+{
+    char here[PATH_MAX];
+    char *path = NULL;
+    tz_status s = folder(ctx, "-", here);
+    if (s == TZ_OK)
+        s = tz_href_open(ctx, doc, line, href, &path);
+    if (s != TZ_OK)
+        return s;
+    const size_t n = strlen(here);
+    if (strncmp(path, here, n) == 0 && path[n] == '/' && path[n + 1])
+        memmove(path, path + n + 1, strlen(path + n + 1) + 1);
+    *out = path;
+    return TZ_OK;
 }
