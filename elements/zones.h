@@ -19,12 +19,12 @@ typedef struct tz_zones {
 } tz_zones;
 
 /** Zones from a picture (SVG or image): each flat colour is a zone.
- * @param table  "#ff0000=leaf,flower;#0000ff=stone": which kinds each colour allows, by
+ * @param text   "#ff0000=leaf,flower;#0000ff=stone": which kinds each colour allows, by
  *               name; colours that are not named allow all
  * @param kinds, n  names of the kinds, in their order
  * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_INVALID (unknown kind or bad table, names it);
  *   TZ_LIMIT (over 255 colours named); TZ_NOMEM */
-TZ_API tz_status tz_zones_read(tz_ctx *ctx, const char *path, const char *table,
+TZ_API tz_status tz_zones_read(tz_ctx *ctx, const char *path, const char *text,
                                const char *const *kinds, int32_t n, tz_vec3 size,
                                bool torus, tz_zones **out);
 TZ_API void tz_zones_free(tz_zones *z); /**< takes NULL */
