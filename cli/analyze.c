@@ -1,37 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "cli/elements.h"
 #include "cli/exemplars.h"
 #include "cli/material.h"
 #include "elements/element_io.h"
 
-enum { AS_EDGES, AS_ELEMENTS };
-
-typedef struct medium_params {
-    int32_t as;
-    bool wrap;
-    int32_t classes;
-} medium_params;
-
-static const tz_param medium_rows[] = {
-    {"as", TZ_PARAM_ENUM, offsetof(medium_params, as), 0, 0, "edges", "",
-     "edges|elements",
-     "What to find: the edge groups of a photo, or the elements of an SVG drawing."},
-    {"wrap", TZ_PARAM_BOOL, offsetof(medium_params, wrap), 0, 0, "false", "", NULL,
-     "Elements: the drawing is a tile that repeats (--no-wrap: it is none); found out "
-     "where neither is given."},
-    {"classes", TZ_PARAM_INT, offsetof(medium_params, classes), 0, 64, "0", "", NULL,
-     "Elements: how many classes to sort those into that the drawing does not name; 0 = "
-     "as many as look different."},
-};
-static const tz_param_table medium_table = {"medium", "What is looked for.", medium_rows,
-                                            sizeof medium_rows / sizeof *medium_rows,
-                                            sizeof(medium_params)};
-
 typedef struct values {
     tz_common_params common;
     tz_output_params output;
-    medium_params medium;
+    tz_medium_params medium;
     tz_ebpt_params analyze;
 } values;
 
@@ -39,27 +17,20 @@ typedef struct values {
 static tz_status run_elements(tz_cli *cli, const values *v)
 {
     const char *input = cli->operand[0], *output = v->output.output;
-    const bool known = tz_cli_given(cli, "wrap");
-    const tz_element_read_options options = {.wrap = known && v->medium.wrap,
-                                             .wrap_auto = !known,
-                                             .classes = v->medium.classes};
     tz_element_set set = {0};
     tz_path_list inputs = {0}, outputs = {0};
-    if (!tz_path_is_svg(input))
-        return tz_fail(cli->ctx, TZ_UNSUPPORTED,
-                       "%s: elements are found in SVG drawings, not yet in photos; draw "
-                       "it as SVG or leave out --as elements",
-                       input);
     cli->piped = strcmp(output, "-") == 0;
     if (cli->piped && cli->common->json)
         return tz_cli_usage(cli, "--json and the elements both want standard output");
-    tz_status s = tz_paths_add(cli->ctx, &inputs, input);
+    tz_status s = tz_element_write_check(cli->ctx, output);
+    if (s == TZ_OK)
+        s = tz_paths_add(cli->ctx, &inputs, input);
     if (s == TZ_OK)
         s = tz_paths_add(cli->ctx, &outputs, output);
     if (s == TZ_OK)
         s = tz_outputs_check(cli->ctx, &inputs, &outputs);
     if (s == TZ_OK)
-        s = tz_element_read_svg(cli->ctx, input, &options, &set);
+        s = tz_elements_read(cli, input, &v->medium, NULL, &set);
     if (s == TZ_OK) {
         s = tz_element_write(cli->ctx, output, &set);
         tz_element_set_deinit(&set);
@@ -78,15 +49,17 @@ static tz_status run(tz_cli *cli)
     char stem[TZ_PARAM_STRING_SIZE], *path = NULL;
     if (!*v->output.output)
         return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
-    if (v->medium.as == AS_ELEMENTS)
+    tz_as as;
+    tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
+    if (s != TZ_OK)
+        return s;
+    if (as == TZ_AS_ELEMENTS)
         return run_elements(cli, v);
     if (tz_path_is_svg(cli->operand[0]))
-        return tz_fail(
-            cli->ctx, TZ_INVALID,
-            "%s: is an exemplar already; give a photo, or --as elements for a drawing",
-            cli->operand[0]);
-    tz_status s = tz_exemplars_read(cli, &record, &e);
-    if (s != TZ_OK)
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "%s: is an exemplar already; give a photo or a drawing",
+                       cli->operand[0]);
+    if ((s = tz_exemplars_read(cli, &record, &e)) != TZ_OK)
         goto done;
     const tz_image *photo = &e.v[0].photo;
     tz_path_stem(cli->operand[0], stem, sizeof stem);
@@ -116,7 +89,7 @@ done:
 static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&tz_output_param_table, offsetof(values, output), false},
-    {&medium_table, offsetof(values, medium), false},
+    {&tz_medium_param_table, offsetof(values, medium), false},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
 };
 static const tz_example examples[] = {

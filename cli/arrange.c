@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
-#include "cli/exemplars.h"
+#include "cli/arrange_elements.h"
 #include "cli/figures.h"
 #include "cli/material.h"
 
@@ -13,6 +13,9 @@ typedef struct values {
     tz_common_params common;
     tz_output_params output;
     arrange_params own;
+    tz_medium_params medium;
+    tz_guide_params guides;
+    tz_element_arrange_params elements;
     tz_rules_params rules;
     tz_enlarge_params growth;
     tz_arrange_params arrange;
@@ -92,15 +95,13 @@ static tz_status name_output(tz_cli *cli, const values *v, tz_exemplars *e, char
     return s;
 }
 
-static tz_status run(tz_cli *cli)
+static tz_status run_edges(tz_cli *cli)
 {
     values *v = cli->values;
     tz_record record = {0};
     tz_exemplars e = {0};
     tz_layout l = {0};
     char *path = NULL;
-    if (!*v->output.output)
-        return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
     tz_status s = tz_exemplars_read(cli, &record, &e);
     if (s == TZ_OK)
         s = tz_arrange_settle(cli, &e, v->growth.grow, &v->arrange);
@@ -136,10 +137,28 @@ done:
     return s;
 }
 
+static tz_status run(tz_cli *cli)
+{
+    const values *v = cli->values;
+    const tz_elements_job job = {v->output.output, v->own.keep, &v->medium,
+                                 &v->elements,     &v->guides,  &v->arrange,
+                                 v->growth.grow};
+    tz_as as;
+    if (!*v->output.output)
+        return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
+    tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
+    if (s != TZ_OK)
+        return s;
+    return as == TZ_AS_ELEMENTS ? tz_arrange_elements(cli, &job) : run_edges(cli);
+}
+
 static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&tz_output_param_table, offsetof(values, output), false},
     {&own_table, offsetof(values, own), true},
+    {&tz_medium_param_table, offsetof(values, medium), true},
+    {&tz_guide_param_table, offsetof(values, guides), true},
+    {&tz_element_arrange_param_table, offsetof(values, elements), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
     {&tz_enlarge_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
@@ -150,15 +169,20 @@ static const tz_example examples[] = {
      "terrazzo arrange rocks.svg -o layout.svg --size 8192x8192 --seed 7"},
     {"Two photos in one layout (presets lie in data/presets):",
      "terrazzo arrange gravel.png grass.png -o path.svg --rules two-sources.json"},
+    {"More of a drawing's elements (size in its units), as a table for scatter tools:",
+     "terrazzo arrange leaves.svg -o leaves.csv --size 1500x1500"},
 };
 const tz_command tz_arrange_command = {
     .name = "arrange",
-    .operands = "EXEMPLAR.svg|PHOTO... -o LAYOUT.svg",
+    .operands = "EXEMPLAR.svg|DRAWING.svg|PHOTO... -o LAYOUT.svg",
     .summary = "Arranges exemplars over a layout, without making pixels.",
     .about =
         "Writes a layout: an SVG document that opens in Inkscape and browsers, in which "
         "things can be moved, turned and deleted by hand before render makes it pixels. "
-        "Photos are analysed on the way, so the options of analyze are taken too.",
+        "Photos are analysed on the way, so the options of analyze are taken too.\n\n"
+        "A drawing (any SVG) or an element exemplar gives a layout of elements: each "
+        "placed one is a <use> in the SVG; .json and .csv hold the same as a table. "
+        "--size is in the drawing's units then.",
     .min_operands = 1,
     .max_operands = -1,
     .group = groups,

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "analysis/quality.h"
+#include "cli/compare_elements.h"
+#include "cli/exemplars.h"
 #include "cli/figures.h"
 #include "cli/names.h"
 #include "synthesis/expand.h"
@@ -125,7 +127,7 @@ static tz_status check_heat(tz_cli *cli, const char *path)
     return s;
 }
 
-static tz_status run(tz_cli *cli)
+static tz_status run_pixels(tz_cli *cli)
 {
     const values *v = cli->values;
     tz_image exemplar = {0}, output = {0}, heat = {0};
@@ -164,6 +166,16 @@ done:
     return s;
 }
 
+static tz_status run(tz_cli *cli)
+{
+    if (tz_path_is_svg(cli->operand[0]) != tz_path_is_svg(cli->operand[1]))
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "%s, %s: one is a drawing and one a picture; compare two SVG "
+                       "documents of elements, or two pictures",
+                       cli->operand[0], cli->operand[1]);
+    return tz_path_is_svg(cli->operand[0]) ? tz_compare_elements(cli) : run_pixels(cli);
+}
+
 static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&own_table, offsetof(values, own), false},
@@ -174,6 +186,8 @@ static const tz_example examples[] = {
      "terrazzo compare rocks.jpg rocks_big.png"},
     {"As JSON, with a picture of the weak places:",
      "terrazzo compare gravel.png gravel_7.exr --json --heat weak.png"},
+    {"How well does a layout of elements continue its drawing?",
+     "terrazzo compare leaves.svg leaves_big.svg"},
 };
 const tz_command tz_compare_command = {
     .name = "compare",
@@ -182,7 +196,11 @@ const tz_command tz_compare_command = {
     .about =
         "Prints one score from 0 to 100 and what it is made of. Ratios compare the "
         "texture's distance from the exemplar with the distance between two halves of "
-        "the exemplar: 1 is as good as the real thing.",
+        "the exemplar: 1 is as good as the real thing.\n\n"
+        "Of two SVG documents the elements are compared: their distances, "
+        "neighbourhoods, "
+        "classes and directions, each over the exemplar's own halves' likewise; density, "
+        "overlaps and the widest hole beside the exemplar's.",
     .min_operands = 2,
     .max_operands = 2,
     .group = groups,

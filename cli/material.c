@@ -102,7 +102,7 @@ tz_status tz_maps_parse(tz_ctx *ctx, const char *text, int32_t photos, tz_map_li
         p = *end ? end + 1 : end;
     }
     for (int32_t i = 0; i < out->n; i++)
-        if (out->v[i].path.n != photos)
+        if (photos >= 0 && out->v[i].path.n != photos)
             return tz_fail(ctx, TZ_INVALID,
                            "--maps: %s is given %d times for %d photos; give "
                            "it once a photo, in their order",
@@ -228,9 +228,19 @@ void tz_pictures_free(tz_ctx *ctx, tz_picture_list *l)
     tz_array_free(ctx, l);
 }
 
-/* Files of one map, read and recorded. */
-static tz_status load_map(tz_cli *cli, const tz_map *map, tz_image *images,
-                          tz_record *extra)
+static tz_status match_colour(tz_ctx *ctx, tz_image *images, int32_t n)
+{
+    tz_image **p = NULL;
+    tz_status s = tz_alloc(ctx, &p, (size_t)n, sizeof *p);
+    for (int32_t i = 0; s == TZ_OK && i < n; i++)
+        p[i] = &images[i];
+    if (s == TZ_OK)
+        s = tz_images_match(ctx, p, n);
+    tz_free(ctx, p);
+    return s;
+}
+
+tz_status tz_map_load(tz_cli *cli, const tz_map *map, tz_image *images, tz_record *extra)
 {
     tz_status s = TZ_OK;
     const tz_image_read_options opt = read_options(map->kind);
@@ -246,19 +256,9 @@ static tz_status load_map(tz_cli *cli, const tz_map *map, tz_image *images,
                         map->path.v[k], images[k].channels, map->path.v[0],
                         images[0].channels);
     }
-    return s;
-}
-
-static tz_status match_colour(tz_ctx *ctx, tz_image *images, int32_t n)
-{
-    tz_image **p = NULL;
-    tz_status s = tz_alloc(ctx, &p, (size_t)n, sizeof *p);
-    for (int32_t i = 0; s == TZ_OK && i < n; i++)
-        p[i] = &images[i];
-    if (s == TZ_OK)
-        s = tz_images_match(ctx, p, n);
-    tz_free(ctx, p);
-    return s;
+    return s == TZ_OK && map->kind == TZ_MAP_COLOUR
+               ? match_colour(cli->ctx, images, map->path.n)
+               : s;
 }
 
 static tz_status render_one(tz_cli *cli, const tz_material *m, const tz_picture *p)
@@ -273,9 +273,7 @@ static tz_status render_one(tz_cli *cli, const tz_material *m, const tz_picture 
     if (map) {
         s = tz_alloc_zero(cli->ctx, &images, (size_t)m->n, sizeof *images);
         if (s == TZ_OK)
-            s = load_map(cli, map, images, &extra);
-        if (s == TZ_OK && map->kind == TZ_MAP_COLOUR)
-            s = match_colour(cli->ctx, images, m->n);
+            s = tz_map_load(cli, map, images, &extra);
         tz_figures_seconds(cli, "read", tz_seconds() - start);
     }
     if (s == TZ_OK)

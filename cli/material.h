@@ -40,9 +40,13 @@ tz_map_list;
 
 /** "normal=a_n.exr,height=a_h.exr"; with several photos each name comes once a photo, in
  * their order. Kinds come from the names.
+ * @param photos  how often each must come; < 0 = the caller checks
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM */
 tz_status tz_maps_parse(tz_ctx *ctx, const char *text, int32_t photos, tz_map_list *out);
 void tz_maps_free(tz_ctx *ctx, tz_map_list *l);
+/** Files of one map into images, zeroed before; recorded in `extra`, brought to one
+ * channel count. */
+tz_status tz_map_load(tz_cli *cli, const tz_map *map, tz_image *images, tz_record *extra);
 /** Reads the k-th photo's maps once, before the work: they must have the photo's size or
  * be in proportion to it.
  * @return TZ_OK; TZ_INVALID naming both sizes; what tz_image_read returns */

@@ -3,7 +3,10 @@
 #include "elements/element.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
+
+#include "base/number.h"
 
 static void symbol_deinit(tz_ctx *ctx, tz_element_symbol *y)
 {
@@ -95,6 +98,23 @@ static tz_status copy_photo(tz_element_set *to, const tz_element_photo *p)
     return s;
 }
 
+/** Background of `from`, stretched over the domain of `to`. */
+static tz_status copy_background(const tz_element_set *from, tz_element_set *to)
+{
+    static const char form[] = "<g transform=\"scale(%s %s)\">%s</g>";
+    const tz_vec3 a = from->domain.size, b = to->domain.size;
+    char x[32], y[32];
+    if (a.x == b.x && a.y == b.y)
+        return tz_strdup(to->ctx, from->background, &to->background);
+    tz_number_format(b.x / a.x, x);
+    tz_number_format(b.y / a.y, y);
+    const size_t room = sizeof form + sizeof x + sizeof y + strlen(from->background);
+    tz_status s = tz_alloc(to->ctx, &to->background, room, 1);
+    if (s == TZ_OK)
+        snprintf(to->background, room, form, x, y, from->background);
+    return s;
+}
+
 tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
                               const tz_domain *domain, tz_element_set *to)
 {
@@ -107,7 +127,7 @@ tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
     for (int32_t i = 0; i < from->photo.n && s == TZ_OK; i++)
         s = copy_photo(&set, &from->photo.v[i]);
     if (s == TZ_OK && from->background)
-        s = tz_strdup(ctx, from->background, &set.background);
+        s = copy_background(from, &set);
     if (s != TZ_OK)
         tz_element_set_deinit(&set);
     *to = set;

@@ -83,6 +83,7 @@ typedef struct tz_element_set {
 
 TZ_API void tz_element_set_deinit(tz_element_set *s); /**< takes zeroed */
 /** Kinds, symbols, photos and background of `from`, no elements: the start of a layout.
+ * The background is stretched over the domain.
  * @param domain   NULL = that of `from`
  * @param[out] to  overwritten, not freed (it may be uninitialised); zeroed on error
  * @return TZ_OK; TZ_NOMEM */

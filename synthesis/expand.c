@@ -334,24 +334,45 @@ tz_status tz_crop_settle(tz_ctx *ctx, const int32_t size[2],
     return TZ_OK;
 }
 
-tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
-                           tz_render_figures *figures)
+/** Strips of about 16 MiB. */
+static tz_status stream_strips(tz_ctx *ctx, const tz_pixels_job *job, tz_image_sink *sink)
+{
+    const tz_rect r = job->rect;
+    const int64_t row = (int64_t)r.w * job->like->channels * (int64_t)sizeof(float);
+    const int64_t rows = ((16 << 20) / row + 255) / 256 * 256;
+    tz_image strip = {0};
+    tz_status s = TZ_OK;
+    for (int64_t y = 0; y < r.h && s == TZ_OK; y += rows) {
+        const int32_t h = (int32_t)(r.h - y < rows ? r.h - y : rows);
+        if (strip.height != h) {
+            tz_image_deinit(&strip);
+            s = tz_image_init(ctx, &strip, r.w, h, job->like->channels);
+            strip.alpha = job->like->alpha;
+            strip.encoding = job->like->encoding;
+        }
+        if (s == TZ_OK)
+            s = job->render(ctx, job->user, (tz_rect){r.x, r.y + (int32_t)y, r.w, h},
+                            &strip);
+        if (s == TZ_OK)
+            s = tz_image_sink_rows(sink, &strip);
+    }
+    tz_image_deinit(&strip);
+    return s;
+}
+
+tz_status tz_pixels_write(tz_ctx *ctx, const tz_pixels_job *job,
+                          tz_render_figures *figures)
 {
     tz_image like = {0}, whole = {0};
-    tz_composer *c = NULL;
     tz_image_sink *sink = NULL;
     tz_image_write_options opt;
-    tz_rect r = {0};
+    const tz_rect r = job->rect;
     double start = tz_seconds(), rendered = start;
-    const int32_t size[2] = {job->layout->width, job->layout->height};
-    tz_status s = tz_crop_settle(ctx, size, job->params, &r);
+    tz_status s = make_like(ctx, job->like, job->recipe, &like);
     if (s != TZ_OK)
         return s;
-    if ((s = make_like(ctx, &job->images[0], job->recipe, &like)) != TZ_OK ||
-        (s = tz_format_settle(ctx, job->path, job->format, &like, &opt)) != TZ_OK ||
-        (s = tz_image_sink_open(ctx, job->path, r.w, r.h, &like, &opt, &sink)) != TZ_OK ||
-        (s = tz_composer_new(ctx, job->layout, job->images, job->n, job->kind,
-                             job->params, &c)) != TZ_OK)
+    if ((s = tz_format_settle(ctx, job->path, job->format, &like, &opt)) != TZ_OK ||
+        (s = tz_image_sink_open(ctx, job->path, r.w, r.h, &like, &opt, &sink)) != TZ_OK)
         goto done;
     /* A sixteenth of the budget, at most 256 MiB: the sink needs room too. */
     uint64_t bytes =
@@ -360,13 +381,15 @@ tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
     if (bytes <= budget && bytes <= 1 << 28) {
         s = tz_image_init(ctx, &whole, r.w, r.h, like.channels);
         whole.alpha = like.alpha;
+        whole.encoding = like.encoding;
         if (s == TZ_OK)
-            s = tz_composer_render(ctx, c, r, &whole);
+            s = job->render(ctx, job->user, r, &whole);
         rendered = tz_seconds();
         if (s == TZ_OK)
             s = tz_image_sink_rows(sink, &whole);
     } else {
-        s = tz_composer_stream(ctx, c, r, sink);
+        s = job->stream ? job->stream(ctx, job->user, r, sink)
+                        : stream_strips(ctx, job, sink);
         rendered = tz_seconds();
     }
     if (s == TZ_OK) {
@@ -378,8 +401,46 @@ tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
             (tz_render_figures){r.w, r.h, rendered - start, tz_seconds() - rendered};
 done:
     tz_image_sink_abort(sink);
-    tz_composer_free(c);
     tz_image_deinit(&whole);
     tz_image_deinit(&like);
+    return s;
+}
+
+static tz_status render_composer(tz_ctx *ctx, void *c, tz_rect r, tz_image *out)
+{
+    return tz_composer_render(ctx, c, r, out);
+}
+
+static tz_status stream_composer(tz_ctx *ctx, void *c, tz_rect r, tz_image_sink *sink)
+{
+    return tz_composer_stream(ctx, c, r, sink);
+}
+
+tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,
+                           tz_render_figures *figures)
+{
+    tz_composer *c = NULL;
+    tz_image_write_options opt;
+    const double start = tz_seconds();
+    const int32_t size[2] = {job->layout->width, job->layout->height};
+    tz_pixels_job pixels = {.render = render_composer,
+                            .stream = stream_composer,
+                            .like = &job->images[0],
+                            .path = job->path,
+                            .format = job->format,
+                            .recipe = job->recipe};
+    tz_status s = tz_crop_settle(ctx, size, job->params, &pixels.rect);
+    if (s == TZ_OK) /* a wrong name shows before the work */
+        s = tz_format_settle(ctx, job->path, job->format, &job->images[0], &opt);
+    if (s == TZ_OK)
+        s = tz_composer_new(ctx, job->layout, job->images, job->n, job->kind, job->params,
+                            &c);
+    const double prepared = tz_seconds() - start;
+    pixels.user = c;
+    if (s == TZ_OK)
+        s = tz_pixels_write(ctx, &pixels, figures);
+    if (s == TZ_OK && figures)
+        figures->render += prepared;
+    tz_composer_free(c);
     return s;
 }

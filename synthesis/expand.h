@@ -103,7 +103,27 @@ typedef struct tz_render_figures {
     double render, write; /**< s; what runs at the same time is counted under render */
 } tz_render_figures;
 
-/** Renders and writes one image; streams where it would not fit the memory budget well.
+/** Something that makes pixels, to be written as one image. */
+typedef struct tz_pixels_job {
+    void *user;
+    /** Fills `out` (r.w x r.h, like->channels). */
+    tz_status (*render)(tz_ctx *ctx, void *user, tz_rect r, tz_image *out);
+    /** Sends r to the sink in strips; NULL = render is called for strips. */
+    tz_status (*stream)(tz_ctx *ctx, void *user, tz_rect r, tz_image_sink *sink);
+    tz_rect rect;
+    const tz_image *like; /**< channels, names, alpha, encoding, depth, metadata */
+    const char *path;
+    const tz_format_params *format;
+    const char *recipe; /**< embedded; NULL = none */
+} tz_pixels_job;
+
+/** Renders and writes one image: whole where it takes a small share of the memory budget,
+ * else in strips.
+ * @return what settling the format, call-backs and sink say; nothing is left on error */
+TZ_API tz_status tz_pixels_write(tz_ctx *ctx, const tz_pixels_job *job,
+                                 tz_render_figures *figures);
+
+/** Renders and writes one image of a layout; streams where it would not fit the memory budget well.
  * @return TZ_OK; TZ_INVALID (crop outside the layout, ...); what compositor and sink say
  */
 TZ_API tz_status tz_expand_render(tz_ctx *ctx, const tz_render_job *job,

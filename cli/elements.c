@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cli/elements.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "cli/exemplars.h"
+#include "cli/figures.h"
+#include "elements/element_io.h"
+#include "synthesis/expand.h"
+
+#define AT(m) offsetof(tz_medium_params, m)
+static const tz_param medium_rows[] = {
+    {"as", TZ_PARAM_ENUM, AT(as), 0, 0, "auto", "", "auto|edges|elements",
+     "What the picture is taken as: edge groups of a photo, or elements of a drawing or "
+     "a "
+     "photo; auto = elements of drawings, edges of photos."},
+    {"wrap", TZ_PARAM_BOOL, AT(wrap), 0, 1, "false", "", NULL,
+     "Elements: the drawing is a tile that repeats (--no-wrap: it is none); found out "
+     "where neither is given."},
+    {"classes", TZ_PARAM_INT, AT(classes), 0, 64, "0", "", NULL,
+     "Elements: how many classes to sort those into that the drawing does not name; 0 = "
+     "as many as look different."},
+};
+#undef AT
+const tz_param_table tz_medium_param_table = {
+    "medium", "What is looked for.", medium_rows,
+    sizeof medium_rows / sizeof *medium_rows, sizeof(tz_medium_params)};
+
+#define AT(m) offsetof(tz_guide_params, m)
+static const tz_param guide_rows[] = {
+    {"domain", TZ_PARAM_STRING, AT(domain), 0, 0, "", "FILE", NULL,
+     "Elements: shape to fill, an image (light = inside) or an SVG of closed paths, "
+     "stretched over the layout."},
+    {"field", TZ_PARAM_STRING, AT(field), 0, 0, "", "FILE|FORMULA", NULL,
+     "Elements: directions that the arrangement turns with: an SVG of strokes, an image "
+     "of "
+     "vectors, or a formula of the angle in degrees, such as "
+     "\"atan2(y-h/2,x-w/2)*180/pi\"."},
+    {"zones", TZ_PARAM_STRING, AT(zones), 0, 0, "", "FILE", NULL,
+     "Elements: picture whose flat colours say which classes may lie where, see "
+     "--zone-kinds."},
+    {"zone-kinds", TZ_PARAM_STRING, AT(zone_kinds), 0, 0, "", "TABLE", NULL,
+     "Elements: classes of each colour of --zones: "
+     "\"#ff0000=leaf,flower;#0000ff=stone\"; "
+     "other colours allow all."},
+};
+#undef AT
+const tz_param_table tz_guide_param_table = {
+    "guides", "What guides an arrangement.", guide_rows,
+    sizeof guide_rows / sizeof *guide_rows, sizeof(tz_guide_params)};
+
+/* ---- media ------------------------------------------------------------------------- */
+
+tz_status tz_document_kind(tz_cli *cli, const char *path, char kind[32])
+{
+    enum { HEAD = 16384 };
+    static const char name[] = "tz:document=\"";
+    char *head = NULL;
+    tz_status s = tz_alloc_zero(cli->ctx, &head, HEAD + 1, 1);
+    FILE *f = s == TZ_OK ? fopen(tz_cli_find(cli, path), "rb") : NULL;
+    kind[0] = 0;
+    if (f) { /* whoever reads it tells what is wrong with a file that does not open */
+        head[fread(head, 1, HEAD, f)] = 0;
+        fclose(f);
+        const char *at = strstr(head, name), *end = strchr(head, '>');
+        const char *root = strstr(head, "<svg");
+        end = root ? strchr(root, '>') : end;
+        if (at && root && end && at > root && at < end) {
+            at += sizeof name - 1;
+            snprintf(kind, 32, "%.*s", (int)strcspn(at, "\""), at);
+        }
+    }
+    tz_free(cli->ctx, head);
+    return s;
+}
+
+tz_status tz_medium_settle(tz_cli *cli, const char *path, const tz_medium_params *p,
+                           tz_as *as)
+{
+    char kind[32] = "";
+    const bool svg = tz_path_is_svg(path);
+    tz_status s = svg ? tz_document_kind(cli, path, kind) : TZ_OK;
+    if (s != TZ_OK)
+        return s;
+    const bool groups = strcmp(kind, "edge-groups") == 0;
+    if (strcmp(kind, "layout") == 0)
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "%s: is a layout already; give a photo, a drawing or an exemplar, "
+                       "or make its pixels with render",
+                       path);
+    if (p->as == TZ_AS_ELEMENTS && groups)
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "%s: holds the edge groups of a photo; analyze the photo again "
+                       "with --as elements",
+                       path);
+    if (p->as == TZ_AS_EDGES && svg && !groups)
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "%s: is a drawing, which has no edge groups; leave out --as edges",
+                       path);
+    *as = p->as != TZ_AS_AUTO ? (tz_as)p->as
+          : svg && !groups    ? TZ_AS_ELEMENTS
+                              : TZ_AS_EDGES;
+    return TZ_OK;
+}
+
+tz_status tz_elements_read(tz_cli *cli, const char *path, const tz_medium_params *p,
+                           tz_record *record, tz_element_set *set)
+{
+    const bool known = tz_cli_given(cli, "wrap");
+    const tz_element_read_options options = {
+        .wrap = known && p->wrap, .wrap_auto = !known, .classes = p->classes};
+    const double start = tz_seconds();
+    tz_status s = record ? tz_record_input(cli, record, path, NULL) : TZ_OK;
+    if (s == TZ_OK)
+        s = tz_element_read_svg(cli->ctx, tz_cli_find(cli, path), &options, set);
+    if (s != TZ_OK)
+        return s;
+    tz_figures_seconds(cli, "read", tz_seconds() - start);
+    tz_figures_count(cli, "elements", set->element.n);
+    tz_figures_count(cli, "classes", set->kind.n);
+    return TZ_OK;
+}
+
+/* ---- guides ------------------------------------------------------------------------ */
+
+/** Whether --field names a file: what has a suffix of one, or is there. */
+static bool is_file(const tz_cli *cli, const char *text)
+{
+    struct stat st;
+    return tz_path_is_svg(text) || tz_format_of(text) != TZ_FORMAT_AUTO ||
+           stat(tz_cli_find(cli, text), &st) == 0;
+}
+
+tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs)
+{
+    const char *file[3] = {p->domain, p->field, p->zones};
+    tz_status s = TZ_OK;
+    for (int i = 0; i < 3 && s == TZ_OK; i++)
+        if (*file[i] && (i != 1 || is_file(cli, file[i])))
+            s = tz_paths_add(cli->ctx, inputs, tz_cli_find(cli, file[i]));
+    return s;
+}
+
+static tz_status read_zones(tz_cli *cli, const tz_guide_params *p,
+                            const tz_element_set *set, const tz_domain *d, tz_guides *g)
+{
+    const char **names = NULL;
+    tz_status s = tz_alloc(cli->ctx, &names, (size_t)set->kind.n, sizeof *names);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t i = 0; i < set->kind.n; i++)
+        names[i] = set->kind.v[i].name;
+    s = tz_zones_read(cli->ctx, tz_cli_find(cli, p->zones), p->zone_kinds, names,
+                      set->kind.n, d->size, d->torus, &g->zones);
+    tz_free(cli->ctx, names);
+    return s;
+}
+
+tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
+                         const tz_element_set *kinds, tz_record *record, tz_domain *d,
+                         tz_guides *g)
+{
+    tz_status s = TZ_OK;
+    if (*p->zone_kinds && !*p->zones)
+        return tz_fail(
+            cli->ctx, TZ_INVALID,
+            "--zone-kinds: there are no zones; name their picture with --zones");
+    if (*p->domain) {
+        s = tz_record_input(cli, record, p->domain, NULL);
+        if (s == TZ_OK)
+            s = tz_region_read(cli->ctx, tz_cli_find(cli, p->domain), d->size, d->torus,
+                               &g->region);
+    }
+    if (s == TZ_OK && *p->field) {
+        if (is_file(cli, p->field)) {
+            s = tz_record_input(cli, record, p->field, NULL);
+            if (s == TZ_OK)
+                s = tz_frames_read(cli->ctx, tz_cli_find(cli, p->field), d->size,
+                                   d->torus, &g->frames);
+        } else {
+            s = tz_frames_from_formula(cli->ctx, p->field, d->size, d->torus, &g->frames);
+        }
+    }
+    if (s == TZ_OK && *p->zones) {
+        s = tz_record_input(cli, record, p->zones, NULL);
+        if (s == TZ_OK)
+            s = read_zones(cli, p, kinds, d, g);
+    }
+    if (s == TZ_OK) {
+        d->region = g->region;
+        d->frames = g->frames;
+        d->zones = g->zones;
+    }
+    return s;
+}
+
+void tz_guides_free(tz_guides *g)
+{
+    tz_region_free(g->region);
+    tz_frames_free(g->frames);
+    tz_zones_free(g->zones);
+    *g = (tz_guides){0};
+}

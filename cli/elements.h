@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Element textures in commands: which medium an input is of, its elements, and what
+ * guides an arrangement. Shared by analyze, arrange, render, expand and compare. */
+#ifndef TZ_CLI_ELEMENTS_H
+#define TZ_CLI_ELEMENTS_H
+
+#include "cli/names.h"
+#include "cli/record.h"
+#include "elements/element_arrange.h"
+
+/** What a picture is taken as. */
+typedef enum tz_as { TZ_AS_AUTO, TZ_AS_EDGES, TZ_AS_ELEMENTS } tz_as;
+
+/** Table: tz_medium_param_table. */
+typedef struct tz_medium_params {
+    int32_t as; /**< tz_as */
+    bool wrap;
+    int32_t classes;
+} tz_medium_params;
+extern const tz_param_table tz_medium_param_table;
+
+/** Table: tz_guide_param_table. */
+typedef struct tz_guide_params {
+    char domain[TZ_PARAM_STRING_SIZE], field[TZ_PARAM_STRING_SIZE],
+        zones[TZ_PARAM_STRING_SIZE], zone_kinds[TZ_PARAM_STRING_SIZE];
+} tz_guide_params;
+extern const tz_param_table tz_guide_param_table;
+
+/** What an SVG document is by its root's tz:document: "elements", "edge-groups",
+ * "layout"; "" = somebody's drawing. The first 16 KiB are looked at. */
+tz_status tz_document_kind(tz_cli *cli, const char *path, char kind[32]);
+/** What a command takes its first operand as. Photos are edges where nothing is said.
+ * @return TZ_OK; TZ_INVALID where `as` contradicts the document */
+tz_status tz_medium_settle(tz_cli *cli, const char *path, const tz_medium_params *p,
+                           tz_as *as);
+
+/** Reads elements out of a drawing or an element document, and records it.
+ * @param[in,out] record  NULL, or what inputs are added to */
+tz_status tz_elements_read(tz_cli *cli, const char *path, const tz_medium_params *p,
+                           tz_record *record, tz_element_set *set);
+
+/** Guides of one domain. */
+typedef struct tz_guides {
+    tz_region *region;
+    tz_frames *frames;
+    tz_zones *zones;
+} tz_guides;
+
+/** Reads the guides that are given into `guides` and sets them in `d`, whose size and
+ * torus are known. @param kinds  set whose kinds zones name */
+tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
+                         const tz_element_set *kinds, tz_record *record, tz_domain *d,
+                         tz_guides *guides);
+/** Every guide that is a file, as inputs that must not be overwritten. */
+tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs);
+void tz_guides_free(tz_guides *g);
+
+#endif
