@@ -80,9 +80,9 @@ static void elements_of_a_drawing(void **state)
           f);
     fclose(f);
     assert_exit(0,
-                "$T analyze drawing.svg --as elements -o e.csv && grep -c class e.csv");
+                "$T analyze drawing.svg --as elements -o e.csv -q && grep -c class e.csv");
     assert_string_equal(out_text, "2\n"); /* a tile: two of the three are one */
-    assert_exit(0, "$T analyze drawing.svg --as elements --no-wrap -o e.csv && "
+    assert_exit(0, "$T analyze drawing.svg --as elements --no-wrap -o e.csv -q && "
                    "grep -c class e.csv");
     assert_string_equal(out_text, "3\n");
     assert_exit(0, "$T analyze drawing.svg --as elements --wrap --classes 1 -o e.json");

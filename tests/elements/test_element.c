@@ -62,7 +62,7 @@ static void like_copies_all_but_elements(void **state)
     assert_string_equal(b.symbol.v[0].id, "s");
     assert_int_equal(b.symbol.v[0].outline.n, 3);
     assert_true(b.symbol.v[0].outline.v[2].y == 4);
-    assert_string_equal(b.background, "<rect/>");
+    assert_string_equal(b.background, "<g transform=\"scale(3 4)\"><rect/></g>");
     assert_true(b.domain.torus && b.domain.size.x == 300);
     tz_element_set_deinit(&b);
     ok(ctx, tz_element_set_like(ctx, &a, NULL, &b));
