@@ -18,13 +18,13 @@
 
 #include "elements/growth_internal.h"
 
-typedef enum phase { GROW, FILL, START, POLISH, DONE } phase;
+typedef enum phase { GROW, FILL, START, CLOSE, POLISH, DONE } phase;
 
 enum { STARTS = 8, SAMPLED = 256, CELLS = 1 << 22 };
 
 /* Places emptier than this many of the exemplar's holes are started in; they are looked
  * for at a step of this many spacings. */
-static const double start_gap = 1.05, start_step = 0.33;
+static const double start_gap = 1.02, start_step = 0.33;
 
 static const tz_param rows[] = {
     {"seed", TZ_PARAM_UINT64, offsetof(tz_growth_params, seed), 0, 1.8e19, "1", "", NULL,
@@ -44,6 +44,9 @@ static const tz_param rows[] = {
      "Neighbourhoods that fit this many times worse than the best are not copied"},
     {"balance", TZ_PARAM_DOUBLE, offsetof(tz_growth_params, balance), 0, 1, "0.5", "",
      NULL, "How hard the shares of classes follow the exemplar's"},
+    {"inside", TZ_PARAM_DOUBLE, offsetof(tz_growth_params, inside), 0, 1, "0", "", NULL,
+     "Share of an element's radius that must lie within the domain: 0 is its centre, 1 "
+     "all of it"},
     {"most", TZ_PARAM_INT, offsetof(tz_growth_params, most), 0, 100000000, "0", "", NULL,
      "Elements placed at most; 0 fills the domain"},
 };
@@ -75,7 +78,7 @@ tz_status tz_growth_reserve(tz_growth *g, int64_t more)
 static tz_status make_grid(tz_growth *g)
 {
     const tz_vec3 size = g->out->domain.size;
-    double cell = 0.9 * g->ex.spacing;
+    double cell = 0.9 * g->spacing;
     double nx = fmax(1, floor(size.x / cell)), ny = fmax(1, floor(size.y / cell));
     while (nx * ny > CELLS) {
         cell *= 1.5;
@@ -101,34 +104,76 @@ static int32_t like(const tz_growth_exemplar *ex, int32_t kind, double radius)
     return best;
 }
 
+/* Unit that copies an element of the palette (they rise by source), -1 = none. */
+static int32_t unit_of(const tz_growth_exemplar *ex, int32_t source)
+{
+    int32_t lo = 0, hi = ex->elements - 1;
+    while (lo <= hi) {
+        const int32_t at = (lo + hi) / 2;
+        if (ex->unit[at].source == source)
+            return at;
+        if (ex->unit[at].source < source)
+            lo = at + 1;
+        else
+            hi = at - 1;
+    }
+    return -1;
+}
+
+/* Texture and unit that a given element copies, or is like. True if it is a copy. */
+static bool identify(const tz_growth *g, const tz_element *e, int32_t *texture,
+                     int32_t *unit)
+{
+    for (*texture = 0; *texture < g->textures; ++*texture) {
+        const tz_growth_exemplar *ex = &g->ex[*texture];
+        *unit = e->source < 0 ? -1 : unit_of(ex, e->source);
+        if (*unit >= 0 && ex->unit[*unit].kind == e->kind)
+            return true;
+    }
+    for (*texture = 0; *texture < g->textures; ++*texture) {
+        *unit = like(&g->ex[*texture], e->kind, e->radius);
+        if (*unit >= 0)
+            return false;
+    }
+    *texture = 0, *unit = -1;
+    return false;
+}
+
 static tz_status add_given(tz_growth *g, int32_t i)
 {
     const tz_element *e = &g->out->element.v[i];
-    const bool oriented =
-        e->kind < g->ex.set->kind.n && g->ex.set->kind.v[e->kind].oriented;
-    const int32_t unit = like(&g->ex, e->kind, e->radius);
+    const tz_element_set *set = g->ex[0].set;
+    const bool oriented = e->kind < set->kind.n && set->kind.v[e->kind].oriented;
+    int32_t texture, unit;
+    const bool copy = identify(g, e, &texture, &unit);
+    const tz_growth_exemplar *ex = &g->ex[texture];
     const tz_status s = tz_growth_reserve(g, 1);
     if (s != TZ_OK)
         return s;
-    const bool copy = e->source >= 0 && e->source < g->ex.elements &&
-                      g->ex.unit[e->source].kind == e->kind;
     g->spot.v[g->spot.n] = (tz_growth_spot){.x = e->at.x,
                                             .y = e->at.y,
                                             .r = (float)e->radius,
                                             .c2 = oriented ? (float)cos(2 * e->angle) : 0,
                                             .s2 = oriented ? (float)sin(2 * e->angle) : 0,
                                             .kind = e->kind,
-                                            .hard = unit < 0 ? -1 : g->ex.unit[unit].hard,
-                                            .match = copy ? e->source : unit,
+                                            .symbol = e->symbol,
+                                            .hard = unit < 0 ? -1 : ex->unit[unit].hard,
+                                            .texture = texture,
+                                            .copy = unit,
+                                            .match = unit,
                                             .out = i,
                                             .node = -1,
+                                            .strange = !copy,
                                             .fixed = e->fixed};
     tz_growth_link(g, g->spot.n);
     g->spot.n++;
-    g->ex.radius = fmax(g->ex.radius, e->radius);
+    g->radius = fmax(g->radius, e->radius);
+    g->placed++;
     if (unit >= 0) {
-        g->count[g->ex.unit[g->spot.v[i].match].class]++;
-        g->counted++;
+        g->count[texture * TZ_GROWTH_CLASSES + ex->unit[unit].class]++;
+        g->counted[texture]++;
+        g->cover.count[texture] += 1;
+        tz_growth_decide_place(g, texture, e->at.x, e->at.y, 0.5 * ex->spacing);
         tz_growth_enqueue(g, i);
     }
     return TZ_OK;
@@ -139,29 +184,59 @@ static tz_status add_given(tz_growth *g, int32_t i)
 static void match_given(tz_growth *g, int32_t i)
 {
     tz_growth_spot *q = &g->spot.v[i];
-    const int32_t step = g->ex.n / SAMPLED + 1;
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    const int32_t step = ex->n / SAMPLED + 1;
     tz_growth_view view;
     uint64_t used;
     float least = INFINITY;
-    if (q->match < 0 || g->out->element.v[i].source == q->match)
+    if (q->match < 0 || !q->strange)
         return;
-    tz_growth_look(g, q->x, q->y, g->ex.reach, i, &view);
-    for (int32_t k = 0; k < g->ex.n; k += step) {
-        const float cost = tz_growth_match(&g->ex, k, view.v, view.n, &used, NULL) +
-                           (g->ex.unit[k].whole ? 0 : 0.1F) +
-                           fabsf(g->ex.unit[k].r - q->r) / (g->ex.unit[k].r + q->r);
-        if (g->ex.unit[k].kind == q->kind && cost < least)
+    tz_growth_look(g, q->x, q->y, ex->reach, i, &view);
+    for (int32_t k = 0; k < ex->n; k += step) {
+        const float cost = tz_growth_match(ex, k, view.v, view.n, &used, NULL) +
+                           (ex->unit[k].whole ? 0 : 0.1F) +
+                           fabsf(ex->unit[k].r - q->r) / (ex->unit[k].r + q->r);
+        if (ex->unit[k].kind == q->kind && cost < least)
             least = cost, q->match = k;
     }
 }
 
-static tz_status prepare(tz_growth *g)
+static tz_status prepare_textures(tz_growth *g, const tz_element_set *set,
+                                  const tz_growth_texture *texture)
 {
-    tz_status s = tz_growth_exemplar_init(g->ctx, g->ex.set, &g->params, &g->ex);
+    tz_status s = TZ_OK;
+    g->spacing = INFINITY;
+    for (int32_t t = 0; t < g->textures && s == TZ_OK; t++) {
+        tz_growth_exemplar *ex = &g->ex[t];
+        ex->number = t;
+        if (texture[t].zone < 0 ||
+            (texture[t].zone > 0 &&
+             (!g->out->domain.zones || texture[t].zone > g->out->domain.zones->zones)))
+            return tz_fail(g->ctx, TZ_INVALID,
+                           "growth: texture %d wants zone %d, which the domain has not",
+                           (int)t, (int)texture[t].zone - 1);
+        s = tz_growth_exemplar_init(g->ctx, set, &texture[t], &g->params, ex);
+        g->spacing = fmin(g->spacing, ex->spacing);
+        g->radius = fmax(g->radius, ex->radius);
+        g->reach = fmax(g->reach, ex->reach);
+        g->wide = fmax(g->wide, ex->wide);
+    }
+    return s;
+}
+
+static tz_status prepare(tz_growth *g, const tz_element_set *set,
+                         const tz_growth_texture *texture, bool closed)
+{
+    const size_t classes = (size_t)g->textures * TZ_GROWTH_CLASSES;
+    tz_status s = tz_alloc_zero(g->ctx, &g->ex, (size_t)g->textures, sizeof *g->ex);
+    if (s == TZ_OK)
+        s = prepare_textures(g, set, texture);
     if (s == TZ_OK)
         s = make_grid(g);
     if (s == TZ_OK)
-        s = tz_alloc_zero(g->ctx, &g->count, (size_t)g->ex.classes, sizeof *g->count);
+        s = tz_growth_cover_init(g, closed);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &g->count, classes, sizeof *g->count);
     if (s == TZ_OK)
         s = tz_alloc(g->ctx, &g->node, TZ_GROWTH_NODES, sizeof *g->node);
     if (s == TZ_OK)
@@ -173,23 +248,27 @@ static tz_status prepare(tz_growth *g)
     return s;
 }
 
-tz_status tz_growth_begin(tz_ctx *ctx, const tz_element_set *exemplar,
-                          const tz_growth_params *params, tz_element_set *output,
-                          tz_growth **growth)
+tz_status tz_growth_open(tz_ctx *ctx, const tz_element_set *palette,
+                         const tz_growth_texture *texture, int32_t n,
+                         const tz_growth_params *params, tz_element_set *output,
+                         bool closed, tz_growth **growth)
 {
     tz_growth *g = NULL;
     const tz_vec3 size = output->domain.size;
     if (!(size.x > 0) || !(size.y > 0) || !isfinite(size.x) || !isfinite(size.y))
         return tz_fail(ctx, TZ_INVALID, "growth: a domain of %g x %g has no area", size.x,
                        size.y);
+    if (n < 1 || n > TZ_GROWTH_TEXTURES)
+        return tz_fail(ctx, TZ_INVALID, "growth: %d textures: give 1 to %d", (int)n,
+                       (int)TZ_GROWTH_TEXTURES);
     tz_status s = tz_alloc_zero(ctx, &g, 1, sizeof *g);
     if (s != TZ_OK)
         return s;
     g->ctx = ctx;
     g->params = *params;
     g->out = output;
-    g->ex.set = exemplar;
-    s = prepare(g);
+    g->textures = n;
+    s = prepare(g, palette, texture, closed);
     if (s != TZ_OK)
         tz_growth_end(g);
     else
@@ -197,11 +276,51 @@ tz_status tz_growth_begin(tz_ctx *ctx, const tz_element_set *exemplar,
     return s;
 }
 
+tz_status tz_growth_begin_palette(tz_ctx *ctx, const tz_element_set *palette,
+                                  const tz_growth_texture *texture, int32_t n,
+                                  const tz_growth_params *params, tz_element_set *output,
+                                  tz_growth **growth)
+{
+    return tz_growth_open(ctx, palette, texture, n, params, output, false, growth);
+}
+
+tz_status tz_growth_begin(tz_ctx *ctx, const tz_element_set *exemplar,
+                          const tz_growth_params *params, tz_element_set *output,
+                          tz_growth **growth)
+{
+    const tz_growth_texture all = {.scale = 1};
+    return tz_growth_open(ctx, exemplar, &all, 1, params, output, false, growth);
+}
+
+void tz_growth_radii(const tz_growth *g, int32_t texture, tz_growth_radius *radius)
+{
+    const tz_growth_exemplar *ex = &g->ex[texture];
+    const double scale = ex->texture.scale;
+    for (int32_t kind = 0; kind < ex->set->kind.n; kind++) {
+        int32_t n = 0;
+        radius[kind] = (tz_growth_radius){0, 0};
+        for (int32_t k = 0; k < ex->elements; k++)
+            if (ex->unit[k].kind == kind) {
+                radius[kind].bounding += (double)ex->unit[k].r / scale;
+                radius[kind].neighbourhood += (double)ex->unit[k].reach / scale;
+                n++;
+            }
+        if (n) {
+            radius[kind].bounding /= n;
+            radius[kind].neighbourhood /= n;
+        }
+    }
+}
+
 void tz_growth_end(tz_growth *g)
 {
     if (!g)
         return;
-    tz_growth_exemplar_deinit(g->ctx, &g->ex);
+    for (int32_t t = 0; g->ex && t < g->textures; t++)
+        tz_growth_exemplar_deinit(g->ctx, &g->ex[t]);
+    tz_growth_cover_deinit(g);
+    tz_free(g->ctx, g->ex);
+    tz_free(g->ctx, g->wait);
     tz_array_free(g->ctx, &g->spot);
     tz_free(g->ctx, g->head);
     tz_free(g->ctx, g->queue);
@@ -236,6 +355,7 @@ static tz_status grow(tz_growth *g)
     return s;
 }
 
+/* Seeds that found nothing good enough take what fits. */
 static tz_status fill(tz_growth *g)
 {
     tz_status s = TZ_OK;
@@ -249,76 +369,129 @@ static tz_status fill(tz_growth *g)
     return s;
 }
 
-static bool is_empty(const tz_growth *g, double x, double y, double gap)
+/* Any unit that may stand there, one whose neighbourhood is known if possible; -1 = none.
+ */
+static int32_t draw_unit(const tz_growth *g, int32_t texture, double x, double y,
+                         bool real, tz_rng *r)
 {
-    tz_growth_view view;
-    tz_growth_look(g, x, y, gap, -1, &view);
-    for (int32_t i = 0; i < view.n; i++) {
-        const tz_growth_seen *o = &view.v[i];
-        const double d = gap + fmax(0, o->r - 0.5 * g->ex.spacing);
-        if (o->x * o->x + o->y * o->y < d * d)
-            return false;
-    }
-    return true;
-}
-
-/* Any unit, one whose neighbourhood is known if possible. */
-static int32_t draw_unit(const tz_growth *g, tz_rng *r)
-{
-    const int32_t from = tz_rng_below(r, g->ex.n);
+    const tz_growth_exemplar *ex = &g->ex[texture];
+    const int32_t from = tz_rng_below(r, ex->n);
     int32_t other = -1;
-    for (int32_t i = 0; i < g->ex.n; i++) {
-        const int32_t k = (from + i) % g->ex.n;
-        if (g->ex.unit[k].copied && g->ex.unit[k].whole)
+    for (int32_t i = 0; i < ex->n; i++) {
+        const int32_t k = (from + i) % ex->n;
+        const tz_growth_unit *u = &ex->unit[k];
+        if (!u->copied || (real && u->source < 0) ||
+            !tz_growth_may_stand(g, texture, u, x, y))
+            continue;
+        if (u->whole)
             return k;
-        if (g->ex.unit[k].copied && other < 0)
-            other = k;
+        other = other < 0 ? k : other;
     }
     return other;
 }
 
 /* Starts in an empty place: of some units drawn by lot the one that fits best. */
-static tz_status start_at(tz_growth *g, double x, double y, bool forced, bool *started)
+static tz_status start_at(tz_growth *g, int32_t texture, double x, double y, bool forced,
+                          bool *started)
 {
+    const tz_growth_exemplar *ex = &g->ex[texture];
     tz_growth_view view;
     tz_rng r = tz_rng_make(g->params.seed, tz_rng_stream('s', (uint64_t)g->spot.n, 0));
     int32_t best = -1;
     float least = INFINITY;
-    tz_growth_look(g, x, y, fmax(g->ex.wide, g->ex.spacing), -1, &view);
+    tz_growth_look(g, x, y, fmax(g->wide, ex->spacing), -1, &view);
     for (int32_t k = 0; k < STARTS; k++) {
-        const int32_t unit = draw_unit(g, &r);
-        const tz_growth_unit *u = &g->ex.unit[unit];
+        const int32_t unit = draw_unit(g, texture, x, y, g->phase == CLOSE, &r);
         uint64_t used;
-        if (!forced && !tz_growth_fits(g, u, 0, 0, &view))
+        if (unit < 0 || (!forced && !tz_growth_fits_elements(ex, &ex->unit[unit], &view)))
             continue;
-        const float due = g->ex.frequency[u->class] * (float)(g->counted + 1);
-        const float cost = (0.1F + tz_growth_cost(&g->ex, unit, &view, &used)) *
-                           ((float)g->count[u->class] + 2) / (due + 2);
+        const float cost = (0.1F + tz_growth_cost(ex, unit, &view, &used)) *
+                           (1 + tz_growth_surplus(g, texture, ex->unit[unit].class));
         if (cost < least)
             least = cost, best = unit;
     }
     *started = best >= 0;
-    return best >= 0 ? tz_growth_place(g, best, x, y, &view) : TZ_OK;
+    return best >= 0 ? tz_growth_place(g, texture, best, x, y, &view) : TZ_OK;
 }
 
+/* Radius of the disc about a place that touches no element; up to `most`. */
+static double gap_at(const tz_growth *g, double x, double y, double most)
+{
+    tz_growth_view view;
+    tz_growth_look(g, x, y, most, -1, &view);
+    for (int32_t i = 0; i < view.n; i++) {
+        const tz_growth_seen *o = &view.v[i];
+        if (g->spot.v[o->spot].out >= 0)
+            most = fmin(most, hypot(o->x, o->y) - o->r);
+    }
+    return most;
+}
+
+/* The texture that grows at a place; of several by lot, -1 = none. */
+static int32_t texture_at(const tz_growth *g, double x, double y)
+{
+    tz_rng r = tz_rng_make(g->params.seed, tz_rng_stream('t', (uint64_t)g->spot.n, 0));
+    const int32_t from = tz_rng_below(&r, g->textures);
+    for (int32_t k = 0; k < g->textures; k++) {
+        const int32_t t = (from + k) % g->textures;
+        if (tz_growth_is_of(g, t, x, y))
+            return t;
+    }
+    return -1;
+}
+
+/* A place that no seed has reached. If the output is dense enough and the exemplar has
+ * holes as wide it stays empty. */
 static tz_status start(tz_growth *g)
 {
+    bool started = false;
+    tz_status s = TZ_OK;
+    double x, y;
+    while (s == TZ_OK && !started && tz_growth_next_open(g, &g->started, &x, &y)) {
+        const int32_t t = texture_at(g, x, y);
+        if (t < 0) {
+            tz_growth_decide_place(g, 0, x, y, 0);
+            continue;
+        }
+        const tz_growth_exemplar *ex = &g->ex[t];
+        const double hole = start_gap * ex->hole;
+        const bool first = g->counted[t] == 0;
+        if (first) {
+            const tz_vec3 size = g->out->domain.size;
+            if (tz_growth_is_of(g, t, 0.5 * size.x, 0.5 * size.y))
+                x = 0.5 * size.x, y = 0.5 * size.y;
+            g->started = 0;
+        }
+        const double gap = gap_at(g, x, y, hole);
+        if (first || gap >= hole || tz_growth_error(g, t) < 0)
+            s = start_at(g, t, x, y, first, &started);
+        if (!started && s == TZ_OK)
+            tz_growth_decide_place(g, t, x, y, start_step * ex->spacing);
+    }
+    g->phase = started ? GROW : CLOSE;
+    return s;
+}
+
+/* Holes wider than the exemplar's widest, wherever they are. */
+static tz_status close_holes(tz_growth *g)
+{
     const tz_vec3 size = g->out->domain.size;
-    const double step = start_step * g->ex.spacing;
-    const double gap = fmax(start_gap * g->ex.hole, 0.5 * g->ex.spacing);
+    const double step = start_step * g->spacing;
     const int32_t nx = (int32_t)fmin(16384, fmax(1, ceil(size.x / step)));
     const int32_t ny = (int32_t)fmin(16384, fmax(1, ceil(size.y / step)));
     bool started = false;
     tz_status s = TZ_OK;
-    if (g->spot.n == 0)
-        s = start_at(g, 0.5 * size.x, 0.5 * size.y, true, &started);
-    while (s == TZ_OK && !started && g->started < nx * ny) {
-        const int32_t i = g->started++;
+    while (s == TZ_OK && !started && g->closed < nx * ny) {
+        const int32_t i = g->closed++;
         const double x = (i % nx + 0.5) * size.x / nx;
         const double y = ((double)(i / nx) + 0.5) * size.y / ny;
-        const double rim = fmin(fmin(x, size.x - x), fmin(y, size.y - y));
-        if ((g->out->domain.torus || rim > 0.5 * gap) && is_empty(g, x, y, gap))
-            s = start_at(g, x, y, false, &started);
+        const int32_t t = texture_at(g, x, y);
+        if (t < 0)
+            continue;
+        const double hole = start_gap * g->ex[t].hole;
+        if (tz_domain_depth(&g->out->domain, (tz_vec3){x, y, 0}) >= hole &&
+            gap_at(g, x, y, hole) >= hole)
+            s = start_at(g, t, x, y, false, &started);
     }
     g->phase = started ? GROW : POLISH;
     return s;
@@ -358,6 +531,7 @@ tz_status tz_growth_step(tz_growth *g, int32_t budget, bool *more)
         case GROW: s = grow(g); break;
         case FILL: s = fill(g); break;
         case START: s = start(g); break;
+        case CLOSE: s = close_holes(g); break;
         case POLISH: polish(g); break;
         case DONE: break;
         }

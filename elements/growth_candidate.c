@@ -1,29 +1,33 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Seeds, and what is copied around them.
  *
- * A seed that has free room in its first ring looks at its surroundings and at the units
- * that are coherent with its match, best fit first. The unpaired neighbours of the first
- * unit that has any with room in the output are copied ([Dav19] Sec. 5.1, pairs_r). A
- * unit that fits much worse than the best one is not asked (ratio test). Three things
- * differ from the paper:
+ * A seed about which something is open looks at its surroundings and at the units that are
+ * coherent with its match. The unit that fits best decides the seed's first ring: those of
+ * its neighbours that are not paired and lie where nothing was decided are copied ([Dav19]
+ * Sec. 5.1, pairs_r); where it has none the room stays empty. A unit that fits much worse
+ * than the best one is not asked (ratio test). Three things differ from the paper:
  *   - only the first ring is copied: what lies farther out is copied when more is known;
  *   - among the units that pass the test those win whose elements are of classes the
  *     output has too few of; the paper's choice starves some (its Fig. 18);
- *   - a place must be welcome: those around it may not get more first neighbours than
- *     their units have. The paper fills every gap that is wide enough, which makes
- *     irregular textures denser than their exemplar by a third and more. */
+ *   - what is decided stays so, see growth_cover.c, unless the output becomes too sparse:
+ *     then a place will do that is welcome: those around it must lack neighbours. Where it
+ *     becomes too dense, places must be welcome everywhere. */
 #include "elements/growth_internal.h"
 
-enum { VISITS = 8 }; /* of a seed at most */
+enum { VISITS = 6, PUSHES = 6 }; /* of a seed; of a place */
 
 /* Costs below `noise` are as good as none; below `well` balance does not interfere. */
 static const float noise = 0.01F, well = 0.1F;
-/* Control of density: neighbours that a place must lack for each that others have too
- * many; the error's bounds; what a seed's figure counts for after the next. */
-static const float density_gain = 2, density_most = 0.6F, density_least = -0.15F;
+/* A seed about which less than this share of its ring is open is done. */
+static const float crumbs = 0.02F;
+/* Errors of density from which on it is mended, and which none may add to. */
+static const float sparse = -0.01F, dense = 0.01F, crowded = 0.04F;
+/* Neighbours that a place must lack for each share that density or class is over. */
+static const float density_gain = 8;
+/* Share of a distance that a place may lack, and spacings that it is pushed at most. */
+static const float slack = 0.6F, push = 0.35F;
 /* Cost of a verbatim copy: a step beyond its length, and at most. */
 static const float weary = 0.1F, weary_most = 0.4F;
-static const float density_memory = 0.9999F;
 
 typedef struct choice {
     int32_t unit, n;
@@ -62,52 +66,59 @@ void tz_growth_enqueue(tz_growth *g, int32_t i)
     g->queue[(g->queue_head + g->queue_n++) % g->queue_cap] = i;
 }
 
-bool tz_growth_fits(const tz_growth *g, const tz_growth_unit *u, float dx, float dy,
-                    const tz_growth_view *view)
+/* As tz_growth_fits, with that share of the distances. */
+static bool fits_nearly(const tz_growth_exemplar *ex, const tz_growth_unit *u, float dx,
+                        float dy, const tz_growth_view *view, float share)
 {
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
         const float x = o->x - dx, y = o->y - dy;
-        const float apart = tz_growth_apart(&g->ex, u->hard, u->r, o->hard, o->r);
+        const float apart = share * tz_growth_apart(ex, u->hard, u->r, o);
         if (x * x + y * y < apart * apart)
             return false;
     }
     return true;
 }
 
+bool tz_growth_fits(const tz_growth_exemplar *ex, const tz_growth_unit *u, float dx,
+                    float dy, const tz_growth_view *view)
+{
+    return fits_nearly(ex, u, dx, dy, view, 1);
+}
+
+bool tz_growth_fits_elements(const tz_growth_exemplar *ex, const tz_growth_unit *u,
+                             const tz_growth_view *view)
+{
+    tz_growth_view v = {.n = 0};
+    for (int32_t i = 0; i < view->n; i++)
+        if (view->v[i].kind != ex->set->kind.n)
+            v.v[v.n++] = view->v[i];
+    return fits_nearly(ex, u, 0, 0, &v, 1);
+}
+
 /* What a neighbour that lacks some may set against the surplus of others: at the front
  * all lack many, and would pay for a crowd behind it. */
 static const float credit = -0.5F;
 
-/* By how many neighbours a spot the output is denser than the exemplar. Units of dense
- * places are matched more often than they should be, for want of a better fit. */
-static float density_error(const tz_growth *g)
+float tz_growth_surplus(const tz_growth *g, int32_t texture, int32_t class)
 {
-    const float error = g->inner_first / fmaxf(1, g->inner) - g->ex.ring_mean;
-    return g->inner < 32 ? 0 : fminf(density_most, fmaxf(density_least, error));
-}
-
-/* The same for a class of which there is too much; not where the unit fits well. */
-static float class_error(const tz_growth *g, int32_t class, float cost)
-{
-    const float due = g->ex.frequency[class] * (float)(g->counted + 1);
-    const float over = ((float)g->count[class] + 2) / (due + 2) - 1;
-    return cost < well ? 0 : fminf(1, 4 * (float)g->params.balance * fmaxf(0, over));
+    const float due = g->ex[texture].frequency[class] * (float)(g->counted[texture] + 1);
+    const int32_t n = g->count[texture * TZ_GROWTH_CLASSES + class];
+    return ((float)n + 2) / (due + 2) - 1;
 }
 
 /* Whether those around a place have fewer neighbours than their units, on average. */
-static bool is_welcome(const tz_growth *g, const tz_growth_unit *u, float cost,
-                       const tz_growth_view *view)
+static bool is_welcome(const tz_growth *g, const tz_growth_exemplar *ex,
+                       const tz_growth_unit *u, float error, const tz_growth_view *view)
 {
-    const float error = density_gain * density_error(g) + class_error(g, u->class, cost);
     float surplus = 0;
     int32_t first = 0;
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
         const tz_growth_spot *q = &g->spot.v[o->spot];
         first += tz_growth_far(u, o->x, o->y, o->r) <= u->wide;
-        if (q->match >= 0) {
-            const tz_growth_unit *e = &g->ex.unit[q->match];
+        if (q->match >= 0 && q->texture == ex->number) {
+            const tz_growth_unit *e = &ex->unit[q->match];
             if (tz_growth_far(e, o->x, o->y, u->r) <= e->wide)
                 surplus += fmaxf(credit, (float)(q->first + 1 - e->ring_due) + error);
         }
@@ -115,46 +126,52 @@ static bool is_welcome(const tz_growth *g, const tz_growth_unit *u, float cost,
     return surplus <= 0.01F && first <= u->ring_due;
 }
 
-/* The new one is a neighbour of those around it. Those that found no room, or no fit, try
- * again. */
+/* The new one is a neighbour of those around it. Those that found no fit try again. */
 static void count_first(tz_growth *g, int32_t spot, const tz_growth_view *view)
 {
-    tz_growth_spot *p = &g->spot.v[spot];
-    const tz_growth_unit *u = &g->ex.unit[p->match];
+    tz_growth_spot *n = &g->spot.v[spot];
+    const tz_growth_exemplar *ex = &g->ex[n->texture];
+    const tz_growth_unit *u = &ex->unit[n->match];
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
         tz_growth_spot *q = &g->spot.v[o->spot];
-        p->first += tz_growth_far(u, o->x, o->y, o->r) <= u->wide;
-        if (q->match >= 0) {
-            const tz_growth_unit *e = &g->ex.unit[q->match];
-            const bool first = tz_growth_far(e, o->x, o->y, p->r) <= e->wide;
-            q->first += first;
-            if (first && q->waiting && q->visits < VISITS)
+        n->first += tz_growth_far(u, o->x, o->y, o->r) <= u->wide;
+        if (q->match >= 0 && q->texture == n->texture) {
+            const tz_growth_unit *e = &ex->unit[q->match];
+            const bool in = tz_growth_far(e, o->x, o->y, n->r) <= e->wide;
+            q->first += in;
+            if (in && q->waiting && q->visits < VISITS)
                 tz_growth_enqueue(g, o->spot);
         }
     }
 }
 
-tz_status tz_growth_place(tz_growth *g, int32_t unit, double x, double y,
+tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x, double y,
                           const tz_growth_view *view)
 {
-    const tz_growth_unit *u = &g->ex.unit[unit];
-    const bool real = unit < g->ex.elements;
-    const tz_vec3 z = real ? g->ex.set->element.v[unit].at : (tz_vec3){0, 0, 0};
-    const tz_vec3 at = tz_domain_wrap(&g->out->domain, (tz_vec3){x, y, z.z});
+    const tz_growth_exemplar *ex = &g->ex[texture];
+    const tz_growth_unit *u = &ex->unit[unit];
+    const bool real = u->source >= 0;
+    const double z = real ? ex->set->element.v[u->source].at.z : 0;
+    const tz_vec3 at = tz_domain_wrap(&g->out->domain, (tz_vec3){x, y, z});
+    const double turn = tz_domain_frame(&g->out->domain, at);
+    const float c = (float)cos(2 * turn), s2 = (float)sin(2 * turn);
     tz_status s = tz_growth_reserve(g, 1);
     if (s == TZ_OK && real)
-        s = tz_element_set_place(g->out, g->ex.set, unit, at, 0, 1);
+        s = tz_element_set_place(g->out, ex->set, u->source, at, turn, ex->texture.scale);
     if (s != TZ_OK)
         return s;
     const int32_t i = g->spot.n++;
     g->spot.v[i] = (tz_growth_spot){.x = at.x,
                                     .y = at.y,
                                     .r = u->r,
-                                    .c2 = u->c2,
-                                    .s2 = u->s2,
+                                    .c2 = c * u->c2 - s2 * u->s2,
+                                    .s2 = s2 * u->c2 + c * u->s2,
                                     .kind = u->kind,
+                                    .symbol = u->symbol,
                                     .hard = u->hard,
+                                    .texture = texture,
+                                    .copy = unit,
                                     .match = unit,
                                     .out = real ? g->out->element.n - 1 : -1,
                                     .node = -1};
@@ -162,181 +179,232 @@ tz_status tz_growth_place(tz_growth *g, int32_t unit, double x, double y,
     tz_growth_enqueue(g, i);
     g->round[g->rounds++] = i;
     count_first(g, i, view);
-    g->count[u->class]++;
-    g->counted++;
+    g->count[texture * TZ_GROWTH_CLASSES + u->class]++;
+    g->counted[texture]++;
+    g->cover.count[texture] += real;
     g->placed += real;
     return TZ_OK;
 }
 
 /* ---- seeds ----------------------------------------------------------------------- */
 
-static bool has_room(const tz_growth *g, const tz_growth_spot *q,
-                     const tz_growth_view *view)
-{
-    const tz_growth_unit *u = &g->ex.unit[q->match];
-    for (int32_t k = 0; k < u->frees; k++) {
-        const float fx = (float)u->free[k].x, fy = (float)u->free[k].y;
-        const tz_vec3 p = {q->x + fx, q->y + fy, 0};
-        const float wide = 0.4F * u->spacing;
-        bool taken = !tz_domain_contains(&g->out->domain, p);
-        for (int32_t i = 0; i < view->n && !taken; i++) {
-            const float x = view->v[i].x - fx, y = view->v[i].y - fy;
-            taken = x * x + y * y < wide * wide;
-        }
-        if (!taken)
-            return true;
-    }
-    return false;
-}
-
-/* How many more neighbours a copy of the unit may get: where elements stand that the unit
- * does not have, fewer of its own are copied, which keeps the density. */
-static int32_t missing(const tz_growth_unit *u, const tz_growth_view *view)
-{
-    int32_t n = 0, first = 0;
-    for (int32_t i = 0; i < view->n; i++) {
-        const tz_growth_seen *o = &view->v[i];
-        const float d = tz_growth_far(u, o->x, o->y, o->r);
-        n += d <= u->reach;
-        first += d <= u->wide;
-    }
-    return u->due - n < u->ring_due - first ? u->due - n : u->ring_due - first;
-}
-
 /* Appends neighbour j if nothing is paired with it and it has room. */
 static void list_one(const tz_growth *g, const tz_growth_spot *q,
                      const tz_growth_view *view, int32_t j, choice *c)
 {
-    const tz_growth_near *o = &g->ex.near.v[g->ex.unit[c->unit].near + j];
-    const tz_growth_unit *e = &g->ex.unit[o->unit];
-    const tz_vec3 p = {q->x + o->x, q->y + o->y, 0};
-    if (e->copied && tz_domain_contains(&g->out->domain, p) &&
-        tz_growth_fits(g, e, o->x, o->y, view))
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    const tz_growth_near *o = &ex->near.v[ex->unit[c->unit].near + j];
+    const int32_t unit = ex->unit[o->unit].stand_in;
+    if (unit < 0)
+        return;
+    const tz_growth_unit *e = &ex->unit[unit];
+    const tz_vec2 v = tz_growth_out(view, o->x, o->y);
+    const tz_vec3 p =
+        tz_domain_wrap(&g->out->domain, (tz_vec3){q->x + v.x, q->y + v.y, 0});
+    if (tz_growth_may_stand(g, q->texture, e, p.x, p.y) &&
+        (!tz_growth_is_decided(g, p.x, p.y) || tz_growth_error(g, q->texture) < sparse) &&
+        fits_nearly(ex, e, o->x, o->y, view,
+                    tz_growth_error(g, q->texture) < 0 ? slack : 1))
         c->near[c->n++] = (int8_t)j;
 }
 
 /* What the unit has and the output has not, in its first ring; of things larger than it
  * in the whole neighbourhood, and these first: later they would not find room. */
-static int32_t list_new(const tz_growth *g, const tz_growth_spot *q, uint64_t used,
-                        const tz_growth_view *view, choice *c)
+static void list_new(const tz_growth *g, const tz_growth_spot *q, uint64_t used,
+                     const tz_growth_view *view, choice *c)
 {
-    const tz_growth_unit *u = &g->ex.unit[c->unit];
-    const tz_growth_near *near = g->ex.near.v + u->near;
-    const int32_t most = missing(u, view);
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    const tz_growth_unit *u = &ex->unit[c->unit];
+    const tz_growth_near *near = ex->near.v + u->near;
     c->n = 0;
-    if (most <= 0)
-        return 0;
     for (int32_t j = 0; j < u->nears && u->larger; j++)
         if (!(used >> j & 1) && tz_growth_is_larger(&near[j], u))
             list_one(g, q, view, j, c);
-    for (int32_t j = 0; j < u->ring && c->n < most; j++)
+    for (int32_t j = 0; j < u->ring; j++)
         if (!(used >> j & 1) && !tz_growth_is_larger(&near[j], u))
             list_one(g, q, view, j, c);
-    return c->n;
+}
+
+static const tz_growth_unit *stand_in(const tz_growth_exemplar *ex,
+                                      const tz_growth_near *o)
+{
+    return &ex->unit[ex->unit[o->unit].stand_in];
 }
 
 /* What the output has of the rarest class that a choice would add, over what is due. */
-static float rarity(const tz_growth *g, const choice *c)
+static float rarity(const tz_growth *g, int32_t texture, const choice *c)
 {
-    const tz_growth_near *near = g->ex.near.v + g->ex.unit[c->unit].near;
-    float least = INFINITY;
+    const tz_growth_exemplar *ex = &g->ex[texture];
+    const tz_growth_near *near = ex->near.v + ex->unit[c->unit].near;
+    float least = 0;
     for (int32_t k = 0; k < c->n; k++) {
-        const int32_t class = g->ex.unit[near[c->near[k]].unit].class;
-        const float due = g->ex.frequency[class] * (float)(g->counted + 1);
-        least = fminf(least, ((float)g->count[class] + 2) / (due + 2));
+        const float over =
+            tz_growth_surplus(g, texture, stand_in(ex, &near[c->near[k]])->class);
+        least = k == 0 ? over : fminf(least, over);
     }
-    return least;
+    return least + 1;
 }
 
 /* An exemplar that wraps could be copied without end, tile by tile: its own continuation
  * fits best. After a third of its width that begins to cost, until another place of the
  * exemplar, if any fits as well as it costs, takes over. */
-static float weariness(const tz_growth *g, const tz_growth_spot *q)
+static float weariness(const tz_growth_exemplar *ex, const tz_growth_spot *q)
 {
-    const float most = 0.33F * sqrtf((float)g->ex.n);
-    return g->ex.torus ? fminf(weary_most, weary * fmaxf(0, (float)q->run - most)) : 0;
+    const float most = 0.33F * sqrtf((float)ex->n);
+    return ex->torus ? fminf(weary_most, weary * fmaxf(0, (float)q->run - most)) : 0;
 }
 
-/* The best unit that has something to add; false if none passes the test. */
+/* The best unit; false if none passes the test. */
 static bool choose(const tz_growth *g, const tz_growth_spot *q,
                    const tz_growth_view *view, bool loose, choice *best)
 {
-    const tz_growth_unit *m = &g->ex.unit[q->match];
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    const tz_growth_unit *m = &ex->unit[q->match];
     int32_t unit[TZ_GROWTH_COHERENT + 1], n = 0;
-    float cost[TZ_GROWTH_COHERENT + 1], least = INFINITY;
+    float cost[TZ_GROWTH_COHERENT + 1], least = INFINITY, score = INFINITY;
     uint64_t used[TZ_GROWTH_COHERENT + 1];
     unit[n++] = q->match;
     for (int32_t k = 0; k < m->coherents; k++)
         unit[n++] = m->coherent[k];
     for (int32_t k = 0; k < n; k++) {
-        cost[k] = noise + tz_growth_cost(&g->ex, unit[k], view, &used[k]);
+        cost[k] = noise + tz_growth_cost(ex, unit[k], view, &used[k]);
         if (k == 0)
-            cost[k] += weariness(g, q);
+            cost[k] += weariness(ex, q);
         least = fminf(least, cost[k]);
     }
-    float score = INFINITY;
     for (int32_t k = 0; k < n; k++) {
         choice c = {.unit = unit[k], .cost = cost[k]};
-        if (!list_new(g, q, used[k], view, &c))
+        if (!loose && cost[k] > least * (float)g->params.ratio)
             continue;
-        const float value = cost[k] * powf(rarity(g, &c), 8 * (float)g->params.balance);
-        if (!loose && value > least * (float)g->params.ratio)
-            continue;
+        list_new(g, q, used[k], view, &c);
+        const float value =
+            cost[k] * powf(rarity(g, q->texture, &c), 8 * (float)g->params.balance);
         if (value < score)
             score = value, *best = c;
     }
     return score < INFINITY;
 }
 
-/* The seed has all it will get, for now. */
-static void note_inner(tz_growth *g, const tz_growth_spot *q)
+/* Whether a neighbour may be copied to a place, by density and class. */
+static bool is_wanted(const tz_growth *g, const tz_growth_exemplar *ex,
+                      const tz_growth_unit *u, float cost, bool decided,
+                      const tz_growth_view *view)
 {
-    g->inner = density_memory * g->inner + 1;
-    g->inner_first = density_memory * g->inner_first + q->first;
+    const float error = tz_growth_error(g, ex->number);
+    const float class =
+        cost < well ? 0
+                    : fminf(1, 4 * (float)g->params.balance *
+                                   fmaxf(0, tz_growth_surplus(g, ex->number, u->class)));
+    if (u->source < 0) /* a void takes no room from others */
+        return !decided;
+    if (decided)
+        return error < sparse && is_welcome(g, ex, u, class, view);
+    if (cost >= well && error > crowded)
+        return false;
+    if (class > 0 || (cost >= well && error > dense))
+        return is_welcome(g, ex, u, class + density_gain * fmaxf(0, error), view);
+    return true;
+}
+
+/* Where the output is too sparse, a place that is taken in part will do: away from those
+ * that take it, if there is room not far off. */
+static bool push_out(const tz_growth *g, const tz_growth_exemplar *ex,
+                     const tz_growth_unit *u, double *x, double *y, tz_growth_view *there)
+{
+    const float most = push * u->spacing;
+    float dx = 0, dy = 0;
+    if (tz_growth_error(g, ex->number) >= 0 || u->source < 0)
+        return false;
+    for (int32_t k = 0; k < PUSHES; k++) {
+        float px = 0, py = 0;
+        for (int32_t i = 0; i < there->n; i++) {
+            const tz_growth_seen *o = &there->v[i];
+            const float ox = dx - o->x, oy = dy - o->y, d = sqrtf(ox * ox + oy * oy);
+            const float lack = 1.01F * tz_growth_apart(ex, u->hard, u->r, o) - d;
+            if (lack > 0 && d > 0)
+                px += ox / d * lack, py += oy / d * lack;
+        }
+        dx += px, dy += py;
+        if (dx * dx + dy * dy > most * most)
+            return false;
+        if (tz_growth_fits(ex, u, dx, dy, there)) {
+            const tz_vec2 v = tz_growth_out(there, dx, dy);
+            *x += v.x, *y += v.y;
+            tz_growth_look(g, *x, *y, g->wide, -1, there);
+            const tz_vec3 p = tz_domain_wrap(&g->out->domain, (tz_vec3){*x, *y, 0});
+            return tz_growth_may_stand(g, ex->number, u, p.x, p.y) &&
+                   tz_growth_fits(ex, u, 0, 0, there);
+        }
+    }
+    return false;
+}
+
+/* Copies what has been chosen. */
+static tz_status copy(tz_growth *g, int32_t seed, const choice *c, uint64_t decided,
+                      const tz_growth_view *view, int32_t *grown)
+{
+    const tz_growth_spot q = g->spot.v[seed];
+    const tz_growth_exemplar *ex = &g->ex[q.texture];
+    const tz_growth_near *near = &ex->near.v[ex->unit[c->unit].near];
+    for (int32_t k = 0; k < c->n; k++) {
+        const tz_growth_near *e = &near[c->near[k]];
+        const int32_t unit = ex->unit[e->unit].stand_in;
+        const tz_growth_unit *u = &ex->unit[unit];
+        const tz_vec2 v = tz_growth_out(view, e->x, e->y);
+        tz_growth_view there;
+        if (g->params.most > 0 && g->placed >= g->params.most)
+            break;
+        double x = q.x + v.x, y = q.y + v.y;
+        tz_growth_look(g, x, y, g->wide, -1, &there);
+        if ((!tz_growth_fits(ex, u, 0, 0, &there) &&
+             (c->cost < well || !push_out(g, ex, u, &x, &y, &there))) ||
+            !is_wanted(g, ex, u, c->cost, decided >> k & 1, &there))
+            continue;
+        const tz_status s = tz_growth_place(g, q.texture, unit, x, y, &there);
+        if (s != TZ_OK)
+            return s;
+        g->spot.v[g->spot.n - 1].run = (int16_t)(q.run < 30000 ? q.run + 1 : q.run);
+        ++*grown;
+    }
+    return TZ_OK;
+}
+
+/* Which of the chosen stand where something was decided before. */
+static uint64_t list_decided(const tz_growth *g, const tz_growth_spot *q, const choice *c,
+                             const tz_growth_view *view)
+{
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    const tz_growth_near *near = &ex->near.v[ex->unit[c->unit].near];
+    uint64_t decided = 0;
+    for (int32_t k = 0; k < c->n; k++) {
+        const tz_vec2 v = tz_growth_out(view, near[c->near[k]].x, near[c->near[k]].y);
+        if (tz_growth_is_decided(g, q->x + v.x, q->y + v.y))
+            decided |= (uint64_t)1 << k;
+    }
+    return decided;
 }
 
 tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown)
 {
     tz_growth_view view;
     tz_growth_spot *q = &g->spot.v[seed];
-    const tz_growth_unit *u = &g->ex.unit[q->match];
     choice c = {0};
     *grown = 0;
     q->visits++;
-    tz_growth_look(g, q->x, q->y, u->sight, seed, &view);
-    if (!has_room(g, q, &view)) {
-        note_inner(g, q);
+    if (tz_growth_undecided(g, q) <= crumbs)
         return TZ_OK;
-    }
+    tz_growth_look(g, q->x, q->y, g->ex[q->texture].unit[q->match].sight, seed, &view);
     if (!choose(g, q, &view, loose, &c)) {
         q->waiting = true;
-        note_inner(g, q);
         return TZ_OK;
     }
-    const tz_growth_near *near = g->ex.near.v + g->ex.unit[c.unit].near;
-    const double x = q->x, y = q->y;
+    const uint64_t decided = list_decided(g, q, &c, &view);
     q->run = c.unit == q->match ? q->run : 0;
     q->match = c.unit;
-    const int16_t run = q->run;
-    for (int32_t k = 0; k < c.n; k++) {
-        const tz_growth_near *e = &near[c.near[k]];
-        const tz_growth_unit *eu = &g->ex.unit[e->unit];
-        tz_growth_view there;
-        if (g->params.most > 0 && g->placed >= g->params.most)
-            break;
-        tz_growth_look(g, x + e->x, y + e->y, g->ex.wide, -1, &there);
-        if (!tz_growth_fits(g, eu, 0, 0, &there) || !is_welcome(g, eu, c.cost, &there))
-            continue;
-        const tz_status s = tz_growth_place(g, e->unit, x + e->x, y + e->y, &there);
-        if (s != TZ_OK)
-            return s;
-        g->spot.v[g->spot.n - 1].run = (int16_t)(run < 30000 ? run + 1 : run);
-        ++*grown;
-    }
+    tz_growth_decide(g, q, c.unit);
+    const tz_status s = copy(g, seed, &c, decided, &view, grown);
     q = &g->spot.v[seed];
-    if (!*grown)
-        q->waiting = true, note_inner(g, q);
-    else if (q->visits < VISITS)
-        tz_growth_enqueue(g, seed); /* there may be room for another unit's neighbours */
-    return TZ_OK;
+    if (s == TZ_OK && !g->ex[q->texture].unit[c.unit].known && q->visits < VISITS)
+        tz_growth_enqueue(g, seed); /* another unit may know the rest */
+    return s;
 }

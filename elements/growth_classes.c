@@ -76,17 +76,26 @@ static void number_all(tz_growth_exemplar *ex)
     for (int32_t k = 0; k < ex->n; k++) {
         tz_growth_unit *e = &ex->unit[k];
         const int64_t key = (int64_t)e->kind * 16 + size_bin(e, radius);
+        const int64_t symbol = e->source < 0 ? 0 : e->symbol + 1;
         e->hard = number_of(hard, &ex->hards, key);
-        e->class = number_of(class, &ex->classes, key * 16 + axis_bin(e));
+        e->class = number_of(class, &ex->classes,
+                             (key * 16 + axis_bin(e)) * 65536 + symbol % 65536);
     }
+}
+
+/* What lies in the frame; half of what is cut lies beyond it. */
+static bool is_framed(const tz_growth_exemplar *ex, const tz_growth_unit *u)
+{
+    return u->copied ||
+           (u->x >= 0 && u->y >= 0 && u->x < ex->size.x && u->y < ex->size.y);
 }
 
 static void count_all(tz_growth_exemplar *ex)
 {
     int32_t n = 0;
     for (int32_t k = 0; k < ex->n; k++)
-        if (ex->unit[k].copied) {
-            ex->frequency[ex->unit[k].class] += 1;
+        if (ex->unit[k].stand_in >= 0 && is_framed(ex, &ex->unit[k])) {
+            ex->frequency[ex->unit[ex->unit[k].stand_in].class] += 1;
             n++;
         }
     for (int32_t c = 0; c < ex->classes; c++)

@@ -19,6 +19,7 @@ enum { ALL = 512, PROBES = 16, WORTH = 48 };
 
 /* Units whose surroundings the exemplar's border cuts are liked less: they know less. */
 static const float cost_cut = 0.3F, dice = 0.03F;
+static const float cost_other = 0.1F; /* another symbol */
 
 /* ---- similar units --------------------------------------------------------------- */
 
@@ -35,7 +36,15 @@ static int32_t view_of(const tz_growth_exemplar *ex, int32_t k, tz_growth_seen *
     const tz_growth_unit *e = &ex->unit[k];
     for (int32_t j = 0; j < e->nears; j++) {
         const tz_growth_near *o = &ex->near.v[e->near + j];
-        v[j] = (tz_growth_seen){o->x, o->y, o->r, o->c2, o->s2, o->kind, 0, o->unit};
+        v[j] = (tz_growth_seen){.x = o->x,
+                                .y = o->y,
+                                .r = o->r,
+                                .c2 = o->c2,
+                                .s2 = o->s2,
+                                .kind = o->kind,
+                                .symbol = o->symbol,
+                                .texture = ex->number,
+                                .copy = o->unit};
     }
     return e->nears;
 }
@@ -51,6 +60,7 @@ static float unlikeness(const tz_growth_exemplar *ex, int32_t a, const tz_growth
         hypotf(ex->unit[a].c2 - ex->unit[b].c2, ex->unit[a].s2 - ex->unit[b].s2);
     return tz_growth_match(ex, b, va, na, &used, NULL) +
            tz_growth_match(ex, a, vb, nb, &used, NULL) + size * size + 0.25F * axes +
+           (ex->symbols && ex->unit[a].symbol != ex->unit[b].symbol ? cost_other : 0) +
            (ex->unit[b].whole ? 0 : cost_cut);
 }
 

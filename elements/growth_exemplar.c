@@ -16,8 +16,9 @@
 #include "base/kdtree.h"
 #include "elements/growth_internal.h"
 
-enum { FIRST = 6, NEAREST = 96, TURNS = 8, FEW = 5 };
-static const double void_gap = 0.85, void_radius = 0.4, ring = 1.5, beyond_rings = 0.3;
+enum { NEIGHBOURS = 8, FIRST = 6, NEAREST = 96, TURNS = 8, FEW = 5 };
+static const double void_gap = 0.85, void_radius = 0.4, ring = 1.5, beyond_rings = 0.3,
+                    narrowest = 0.3;
 
 /** Units and, on a torus, their copies around it. */
 typedef struct cloud {
@@ -100,30 +101,75 @@ static int32_t nearest(const cloud *c, double x, double y, int32_t k, int32_t *i
 
 /* ---- units ----------------------------------------------------------------------- */
 
+/* Whether an element of the palette belongs to the texture. */
+static bool is_selected(const tz_growth_texture *t, const tz_element *e)
+{
+    const bool framed = t->to.x > t->from.x && t->to.y > t->from.y;
+    if (framed && (e->at.x < t->from.x || e->at.y < t->from.y || e->at.x >= t->to.x ||
+                   e->at.y >= t->to.y))
+        return false;
+    return t->kinds == 0 || e->kind >= 64 || (t->kinds >> e->kind & 1);
+}
+
+static void add_unit(tz_growth_exemplar *ex, int32_t k)
+{
+    const tz_element *e = &ex->set->element.v[k];
+    const bool oriented = ex->set->kind.v[e->kind].oriented;
+    const double scale = ex->texture.scale;
+    const tz_vec3 wrapped = tz_domain_wrap(&ex->set->domain, e->at);
+    const tz_vec2 at = {scale * (wrapped.x - ex->origin.x),
+                        scale * (wrapped.y - ex->origin.y)};
+    const tz_growth_radius *given =
+        ex->texture.radius ? &ex->texture.radius[e->kind] : NULL;
+    const double r = given && given->bounding > 0 ? given->bounding : e->radius;
+    ex->unit[ex->n++] = (tz_growth_unit){.x = at.x,
+                                         .y = at.y,
+                                         .r = (float)(scale * r),
+                                         .c2 = oriented ? (float)cos(2 * e->angle) : 0,
+                                         .s2 = oriented ? (float)sin(2 * e->angle) : 0,
+                                         .kind = e->kind,
+                                         .symbol = e->symbol,
+                                         .source = k,
+                                         .bent = e->samples > 1,
+                                         .copied = !e->cut};
+    ex->radius = fmax(ex->radius, scale * r);
+    ex->lo = (tz_vec2){fmin(ex->lo.x, at.x), fmin(ex->lo.y, at.y)};
+    ex->hi = (tz_vec2){fmax(ex->hi.x, at.x), fmax(ex->hi.y, at.y)};
+}
+
+/* Symbols are worth telling apart where each stands for several elements. */
+static bool are_symbols_used(const tz_growth_exemplar *ex)
+{
+    int32_t used = 0;
+    for (int32_t k = 0; k < ex->n; k++) {
+        bool first = true;
+        for (int32_t j = k > 512 ? k - 512 : 0; j < k && first; j++)
+            first = ex->unit[j].symbol != ex->unit[k].symbol;
+        used += first;
+    }
+    return used > 1 && 2 * used <= ex->n;
+}
+
 static void set_units(tz_growth_exemplar *ex)
 {
     const tz_element_set *set = ex->set;
+    const tz_growth_texture *t = &ex->texture;
+    const bool framed = t->to.x > t->from.x && t->to.y > t->from.y;
     ex->lo = (tz_vec2){INFINITY, INFINITY};
     ex->hi = (tz_vec2){-INFINITY, -INFINITY};
-    for (int32_t k = 0; k < set->element.n; k++) {
-        const tz_element *e = &set->element.v[k];
-        const bool oriented = set->kind.v[e->kind].oriented;
-        const tz_vec3 at = tz_domain_wrap(&set->domain, e->at);
-        ex->unit[k] = (tz_growth_unit){.x = at.x,
-                                       .y = at.y,
-                                       .r = (float)e->radius,
-                                       .c2 = oriented ? (float)cos(2 * e->angle) : 0,
-                                       .s2 = oriented ? (float)sin(2 * e->angle) : 0,
-                                       .kind = e->kind,
-                                       .copied = !e->cut};
-        ex->radius = fmax(ex->radius, e->radius);
-        ex->lo = (tz_vec2){fmin(ex->lo.x, at.x), fmin(ex->lo.y, at.y)};
-        ex->hi = (tz_vec2){fmax(ex->hi.x, at.x), fmax(ex->hi.y, at.y)};
-    }
-    ex->n = ex->elements = set->element.n;
     ex->size = (tz_vec2){set->domain.size.x, set->domain.size.y};
+    if (framed) {
+        ex->origin = t->from;
+        ex->size = tz_vec2_sub(t->to, t->from);
+    }
+    ex->size = tz_vec2_scale(ex->size, t->scale);
+    for (int32_t k = 0; k < set->element.n; k++)
+        if (is_selected(t, &set->element.v[k]))
+            add_unit(ex, k);
+    ex->elements = ex->n;
+    ex->symbols = are_symbols_used(ex);
     /* too few to show how they go on, or all in a row: their frame repeats */
-    ex->torus = set->domain.torus || ex->n < FEW ||
+    ex->torus = (set->domain.torus && !framed) || ex->n < FEW ||
                 ex->hi.x - ex->lo.x < 1e-3 * ex->size.x ||
                 ex->hi.y - ex->lo.y < 1e-3 * ex->size.y;
     bool any = false;
@@ -240,7 +286,13 @@ static tz_vec2 raster_at(const raster *r, int32_t place)
                      r->lo.y + ((double)(place / r->nx) + 0.5) * r->step.y};
 }
 
-/* Places wider than the gap, widest first. */
+static double depth_of(const tz_growth_exemplar *ex, tz_vec2 p)
+{
+    return ex->torus ? INFINITY
+                     : fmin(fmin(p.x, ex->size.x - p.x), fmin(p.y, ex->size.y - p.y));
+}
+
+/* Places wider than the gap, widest first; and the widest hole between circles. */
 static tz_status list_gaps(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c,
                            const raster *r, gap **list, int32_t *n)
 {
@@ -248,14 +300,16 @@ static tz_status list_gaps(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c,
     *n = 0;
     for (int32_t i = 0; s == TZ_OK && i < r->nx * r->ny; i++) {
         const tz_vec2 p = raster_at(r, i);
-        int32_t id[4];
-        float d2[4], width = INFINITY;
-        const int32_t found = nearest(c, p.x, p.y, 4, id, d2);
+        int32_t id[NEIGHBOURS];
+        float d2[NEIGHBOURS], width = INFINITY, hole = INFINITY;
+        const int32_t found = nearest(c, p.x, p.y, NEIGHBOURS, id, d2);
         for (int32_t k = 0; k < found; k++) {
-            const float thick = ex->unit[c->unit.v[id[k]]].r - 0.5F * (float)ex->spacing;
+            const float radius = ex->unit[c->unit.v[id[k]]].r;
+            const float thick = radius - 0.5F * (float)ex->spacing;
             width = fminf(width, sqrtf(d2[k]) - fmaxf(0, thick));
+            hole = fminf(hole, sqrtf(d2[k]) - radius);
         }
-        ex->hole = fmax(ex->hole, width);
+        ex->hole = fmax(ex->hole, fmin(hole, depth_of(ex, p)));
         if (width > void_gap * ex->spacing)
             (*list)[(*n)++] = (gap){width, i};
     }
@@ -293,10 +347,12 @@ static tz_status add_voids(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c,
                                              .y = p.y,
                                              .r = (float)(void_radius * ex->spacing),
                                              .kind = ex->set->kind.n,
+                                             .symbol = -1,
+                                             .source = -1,
                                              .spacing = (float)ex->spacing,
                                              .copied = true};
     }
-    ex->hole = fmin(ex->hole, void_gap * ex->spacing);
+    ex->hole = fmax(ex->hole, narrowest * ex->spacing);
     tz_grid_deinit(ctx, &grid);
     tz_free(ctx, list);
     return s;
@@ -327,8 +383,8 @@ static int32_t list_near(const tz_growth_exemplar *ex, const cloud *c, int32_t k
         const float y = (float)(c->at.v[id[i]].y - e->y);
         const float d = tz_growth_far(e, x, y, o->r);
         if (id[i] != k && d <= e->reach)
-            v[n++] =
-                (tz_growth_near){x, y, d, o->r, o->c2, o->s2, o->kind, c->unit.v[id[i]]};
+            v[n++] = (tz_growth_near){
+                x, y, d, o->r, o->c2, o->s2, o->kind, o->symbol, c->unit.v[id[i]]};
     }
     qsort(v, (size_t)n, sizeof *v, by_distance);
     if (n > TZ_GROWTH_NEAR) {
@@ -355,6 +411,7 @@ static tz_status set_near(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c, i
     }
     e->half = half + 0.5F * e->spacing;
     e->whole = well_inside(ex, e, 0.9 * e->reach);
+    e->known = well_inside(ex, e, e->wide - 0.1 * (double)e->spacing);
     return s;
 }
 
@@ -378,6 +435,28 @@ static tz_status draw_map(tz_ctx *ctx, void *arg, int64_t k, int worker)
         }
     }
     return TZ_OK;
+}
+
+/* A cut element is not copied; where it stood something like it may be: of its kind, and
+ * of its symbol where symbols matter, about as large, and lying like it. */
+static void set_stand_ins(tz_growth_exemplar *ex)
+{
+    for (int32_t k = 0; k < ex->n; k++) {
+        tz_growth_unit *e = &ex->unit[k];
+        float least = 0.5F;
+        e->stand_in = e->copied ? k : -1;
+        for (int32_t j = 0; j < ex->elements && !e->copied; j++) {
+            const tz_growth_unit *o = &ex->unit[j];
+            if (!o->copied || o->kind != e->kind)
+                continue;
+            const float size = fabsf(o->r - e->r) / (o->r + e->r);
+            const float axes = hypotf(o->c2 - e->c2, o->s2 - e->s2);
+            const float other = ex->symbols && o->symbol != e->symbol ? 0.25F : 0;
+            const float cost = 3 * size + 0.25F * axes + other;
+            if (cost < least)
+                least = cost, e->stand_in = j;
+        }
+    }
 }
 
 /* How many neighbours a copy should have: as many as the unit, or, where the exemplar's
@@ -407,7 +486,11 @@ static tz_status set_neighbourhoods(tz_ctx *ctx, tz_growth_exemplar *ex, const c
 {
     tz_status s = TZ_OK;
     for (int32_t k = 0; k < ex->n && s == TZ_OK; k++) {
+        const tz_growth_radius *given = ex->texture.radius;
+        const int32_t kind = ex->unit[k].kind;
         ex->unit[k].reach = (float)((rings + beyond_rings) * ex->unit[k].spacing);
+        if (given && ex->unit[k].source >= 0 && given[kind].neighbourhood > 0)
+            ex->unit[k].reach = (float)(given[kind].neighbourhood * ex->texture.scale);
         ex->reach = fmax(ex->reach, ex->unit[k].reach);
         s = set_near(ctx, ex, c, k);
         ex->wide = fmax(ex->wide, ex->unit[k].wide);
@@ -428,6 +511,7 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
     cloud c = {0};
     const double mean = sqrt(ex->size.x * ex->size.y / ex->n);
     const double margin = 1.5 * (p->rings + 1.5) * mean;
+    tz_growth_find_density(ex);
     tz_status s = cloud_init(ctx, ex, margin, &c);
     if (s == TZ_OK)
         s = measure(ctx, ex, &c);
@@ -439,8 +523,10 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
     }
     if (s == TZ_OK)
         s = set_neighbourhoods(ctx, ex, &c, p->rings);
-    if (s == TZ_OK)
+    if (s == TZ_OK) {
+        set_stand_ins(ex);
         s = tz_growth_find_classes(ctx, ex);
+    }
     if (s == TZ_OK)
         s = tz_growth_find_coherent(ctx, ex, p);
     if (s == TZ_OK)
@@ -449,11 +535,35 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
     return s;
 }
 
+/* Elements of the palette that belong to a texture. */
+static int32_t count_selected(const tz_element_set *set, const tz_growth_texture *t)
+{
+    int32_t n = 0;
+    for (int32_t k = 0; k < set->element.n; k++)
+        n += is_selected(t, &set->element.v[k]);
+    return n;
+}
+
 tz_status tz_growth_exemplar_init(tz_ctx *ctx, const tz_element_set *set,
+                                  const tz_growth_texture *texture,
                                   const tz_growth_params *p, tz_growth_exemplar *ex)
 {
-    const int32_t n = set->element.n;
+    const int32_t n = count_selected(set, texture), number = ex->number;
     memset(ex, 0, sizeof *ex);
+    ex->number = number;
+    ex->texture = *texture;
+    if (ex->texture.scale == 0)
+        ex->texture.scale = 1;
+    if (!(ex->texture.scale > 0) || !isfinite(ex->texture.scale))
+        return tz_fail(ctx, TZ_INVALID,
+                       "growth: texture %d has a scale of %g: give one "
+                       "above 0",
+                       (int)number, texture->scale);
+    if (n < 1 && set->element.n > 0)
+        return tz_fail(ctx, TZ_INVALID,
+                       "growth: texture %d selects no elements of the palette: widen its "
+                       "frame or its kinds",
+                       (int)number);
     if (n < 1)
         return tz_fail(ctx, TZ_INVALID, "growth: the exemplar has no elements");
     if (n > TZ_GROWTH_UNITS)

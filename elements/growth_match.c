@@ -21,6 +21,9 @@ static const float cost_stranger = 1, cost_kind = 1.5F, cost_unknown = 0.2F;
 static const float cost_cut = 0.1F;
 /* Axes at right angles, and radii of which one is thrice the other. */
 static const float cost_axis = 0.5F, cost_size = 1;
+/* Another symbol of the same kind; samples that lie about their centres quite otherwise. */
+static const float cost_symbol = 0.25F, cost_shape = 0.5F;
+enum { SAMPLES = 12 }; /* of an element that are compared */
 
 /* ---- what is seen ---------------------------------------------------------------- */
 
@@ -35,7 +38,8 @@ static void look_in(const tz_growth *g, int32_t cell, tz_vec2 from, float radius
             (i == but && x == 0 && y == 0))
             continue;
         view->v[view->n++] =
-            (tz_growth_seen){x, y, q->r, q->c2, q->s2, q->kind, q->hard, i};
+            (tz_growth_seen){x,         y,       q->r,       q->c2, q->s2,  q->kind,
+                             q->symbol, q->hard, q->texture, i,     q->copy};
     }
 }
 
@@ -53,12 +57,25 @@ static int32_t clamped(double c, int32_t lo, int32_t hi)
     return c <= lo ? lo : c >= hi ? hi : (int32_t)floor(c);
 }
 
+/* Into the local frame, whose angle is given. */
+static void turn_in(tz_growth_view *view, double angle)
+{
+    view->c = (float)cos(angle), view->s = (float)sin(angle);
+    const float c = (float)cos(2 * angle), s = (float)sin(2 * angle);
+    for (int32_t i = 0; i < view->n; i++) {
+        tz_growth_seen *o = &view->v[i];
+        const float x = o->x, y = o->y, c2 = o->c2, s2 = o->s2;
+        o->x = view->c * x + view->s * y, o->y = view->c * y - view->s * x;
+        o->c2 = c * c2 + s * s2, o->s2 = c * s2 - s * c2;
+    }
+}
+
 void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32_t but,
                     tz_growth_view *view)
 {
     const bool torus = g->out->domain.torus;
     const int32_t turns = torus ? 3 : 0; /* copies seen of a domain narrower than that */
-    const double wide = radius + g->ex.radius;
+    const double wide = radius + g->radius;
     const int32_t lo_x = -turns * g->nx, hi_x = (turns + 1) * g->nx - 1;
     const int32_t lo_y = -turns * g->ny, hi_y = (turns + 1) * g->ny - 1;
     const int32_t x0 = clamped((x - wide) / g->cell_x, lo_x, hi_x);
@@ -76,6 +93,9 @@ void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32
             look_in(g, cell, from, (float)radius, but, view);
         }
     }
+    view->c = 1, view->s = 0;
+    if (g->out->domain.frames)
+        turn_in(view, tz_domain_frame(&g->out->domain, (tz_vec3){x, y, 0}));
 }
 
 /* ---- how it fits ----------------------------------------------------------------- */
@@ -110,14 +130,51 @@ static bool is_known(const tz_growth_exemplar *ex, const tz_growth_unit *e,
                          y < ex->hi.y + rim);
 }
 
+/* How differently the samples of two units lie about their centres, 0..1: those of one id
+ * are pairs, those without a partner are as far off as can be. */
+static float unlike_shape(const tz_growth_exemplar *ex, int32_t a, int32_t b)
+{
+    const tz_element_set *set = ex->set;
+    const int32_t sa = ex->unit[a].source, sb = ex->unit[b].source;
+    if (sa < 0 || sb < 0)
+        return 0;
+    const tz_element *p = &set->element.v[sa], *q = &set->element.v[sb];
+    const double r2 = fmax(p->radius, q->radius) * fmax(p->radius, q->radius);
+    const int32_t n = p->samples < SAMPLES ? p->samples : SAMPLES;
+    const int32_t m = q->samples < SAMPLES ? q->samples : SAMPLES;
+    double sum = 0;
+    int32_t pairs = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const tz_sample *s = &set->sample.v[p->sample + i];
+        for (int32_t j = 0; j < m; j++) {
+            const tz_sample *t = &set->sample.v[q->sample + j];
+            if (s->id != t->id)
+                continue;
+            const double x = s->at.x - p->at.x - (t->at.x - q->at.x);
+            const double y = s->at.y - p->at.y - (t->at.y - q->at.y);
+            sum += fmin(1, (x * x + y * y) / r2);
+            pairs++;
+            break;
+        }
+    }
+    const int32_t all = n + m - pairs;
+    return all > 0 ? (float)((sum + all - pairs) / all) : 0;
+}
+
 /* Attributes of a pair: [Dav19]'s omega, in units of the squared limit. */
-static float attributes(const tz_growth_seen *o, const tz_growth_near *c)
+static float attributes(const tz_growth_exemplar *ex, const tz_growth_seen *o,
+                        const tz_growth_near *c)
 {
     const float axes =
         sqrtf((o->c2 * o->c2 + o->s2 * o->s2) * (c->c2 * c->c2 + c->s2 * c->s2));
     const float sine2 = 0.5F * (axes - o->c2 * c->c2 - o->s2 * c->s2);
     const float size = (o->r - c->r) / (o->r + c->r);
-    return cost_axis * sine2 + cost_size * size * size;
+    float cost = cost_axis * sine2 + cost_size * size * size;
+    if (o->symbol != c->symbol && ex->symbols)
+        cost += cost_symbol;
+    if (o->copy >= 0 && o->copy != c->unit && ex->unit[c->unit].bent)
+        cost += cost_shape * unlike_shape(ex, o->copy, c->unit);
+    return cost;
 }
 
 float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_seen *v,
@@ -136,7 +193,7 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
         if (pair)
             pair[i] = -1;
         const float reach = e->reach + (o->r > e->r ? o->r - e->r : 0);
-        if (o->x * o->x + o->y * o->y > reach * reach)
+        if (o->texture != ex->number || o->x * o->x + o->y * o->y > reach * reach)
             continue;
         counted++;
         const int32_t j = entry(lut, e->half, scale, o->x, o->y);
@@ -148,7 +205,7 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
         else if (o->kind != near[j].kind)
             cost += cost_kind;
         else {
-            cost += d * part + attributes(o, &near[j]);
+            cost += d * part + attributes(ex, o, &near[j]);
             taken |= (uint64_t)1 << j;
             if (pair)
                 pair[i] = (int8_t)j;
@@ -181,9 +238,10 @@ int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
 }
 
 float tz_growth_apart(const tz_growth_exemplar *ex, int32_t hard1, float r1,
-                      int32_t hard2, float r2)
+                      const tz_growth_seen *o)
 {
-    const float share = hard1 >= 0 && hard2 >= 0 ? ex->limit[hard1 * ex->hards + hard2]
-                                                 : (float)ex->overlap;
-    return share * (r1 + r2);
+    const bool known = hard1 >= 0 && o->hard >= 0 && o->texture == ex->number;
+    const float share =
+        known ? ex->limit[hard1 * ex->hards + o->hard] : (float)ex->overlap;
+    return share * (r1 + o->r);
 }

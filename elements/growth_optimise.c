@@ -24,8 +24,7 @@ static const float farthest = 0.2F;   /* move in a round, spacings */
 
 typedef struct prediction {
     int32_t spot;
-    float x, y;   /* wanted offset */
-    float ex, ey; /* its error */
+    float ex, ey; /* error of its offset, in the world */
     float weight;
 } prediction;
 
@@ -57,19 +56,20 @@ static int32_t predict(tz_growth *g, int32_t spot, tz_growth_view *view, predict
     int8_t pair[TZ_GROWTH_SEEN];
     uint64_t used;
     int32_t n = 0;
-    tz_growth_look(g, q->x, q->y, g->ex.unit[q->match].reach, spot, view);
-    q->match = tz_growth_nearest(&g->ex, q->match, view);
-    tz_growth_match(&g->ex, q->match, view->v, view->n, &used, pair);
-    const tz_growth_unit *u = &g->ex.unit[q->match];
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    tz_growth_look(g, q->x, q->y, ex->unit[q->match].reach, spot, view);
+    q->match = tz_growth_nearest(ex, q->match, view);
+    tz_growth_match(ex, q->match, view->v, view->n, &used, pair);
+    const tz_growth_unit *u = &ex->unit[q->match];
     q->first = 0;
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *s = &view->v[i];
         q->first += tz_growth_far(u, s->x, s->y, s->r) <= u->wide;
         if (pair[i] < 0 || view->v[i].spot == spot)
             continue;
-        const tz_growth_near *o = &g->ex.near.v[u->near + pair[i]];
-        p[n++] = (prediction){view->v[i].spot,     o->x, o->y, o->x - view->v[i].x,
-                              o->y - view->v[i].y, 0};
+        const tz_growth_near *o = &ex->near.v[u->near + pair[i]];
+        const tz_vec2 e = tz_growth_out(view, o->x - view->v[i].x, o->y - view->v[i].y);
+        p[n++] = (prediction){view->v[i].spot, (float)e.x, (float)e.y, 0};
     }
     if (n)
         weigh(p, n, u->spacing);
@@ -84,7 +84,7 @@ static bool collides(const tz_growth *g, int32_t spot, double dx, double dy,
     const tz_growth_spot *q = &g->spot.v[spot];
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
-        const float apart = tz_growth_apart(&g->ex, q->hard, q->r, o->hard, o->r);
+        const float apart = tz_growth_apart(&g->ex[q->texture], q->hard, q->r, o);
         const float x = o->x - (float)dx, y = o->y - (float)dy;
         const float d2 = x * x + y * y;
         /* what collides already may at least part */
@@ -94,10 +94,26 @@ static bool collides(const tz_growth *g, int32_t spot, double dx, double dy,
     return false;
 }
 
+/* Turns an element and its samples about it. */
+static void turn(tz_growth *g, tz_growth_spot *q, double angle)
+{
+    tz_element *e = &g->out->element.v[q->out];
+    const double c = cos(angle), s = sin(angle);
+    for (int32_t k = e->sample; k < e->sample + e->samples; k++) {
+        tz_vec3 *p = &g->out->sample.v[k].at;
+        const double x = p->x - e->at.x, y = p->y - e->at.y;
+        p->x = e->at.x + c * x - s * y, p->y = e->at.y + s * x + c * y;
+    }
+    e->angle += angle;
+    const double c2 = cos(2 * angle), s2 = sin(2 * angle), a = q->c2, b = q->s2;
+    q->c2 = (float)(c2 * a - s2 * b), q->s2 = (float)(s2 * a + c2 * b);
+}
+
 static void shift(tz_growth *g, int32_t spot, double dx, double dy)
 {
     tz_growth_spot *q = &g->spot.v[spot];
     const tz_domain *d = &g->out->domain;
+    const tz_vec3 from = {q->x, q->y, 0};
     const tz_vec3 to = tz_domain_wrap(d, (tz_vec3){q->x + dx, q->y + dy, 0});
     tz_growth_unlink(g, spot);
     if (q->out >= 0) {
@@ -107,26 +123,38 @@ static void shift(tz_growth *g, int32_t spot, double dx, double dy)
             g->out->sample.v[k].at.y += to.y - e->at.y;
         }
         e->at.x = to.x, e->at.y = to.y;
+        if (d->frames)
+            turn(g, q, tz_domain_frame(d, to) - tz_domain_frame(d, from));
     }
     q->x = to.x, q->y = to.y;
     tz_growth_link(g, spot);
+}
+
+/* Whether domain and zones let a spot be at a place; what grows there does not matter. */
+static bool may_go(const tz_growth *g, const tz_growth_spot *q, double x, double y)
+{
+    const tz_domain *d = &g->out->domain;
+    const tz_vec3 p = tz_domain_wrap(d, (tz_vec3){x, y, 0});
+    return tz_domain_contains(d, p) && (q->out < 0 || tz_domain_allows(d, p, q->kind)) &&
+           (g->params.inside <= 0 || q->out < 0 ||
+            tz_domain_depth(d, p) >= g->params.inside * (double)q->r);
 }
 
 /* Moves a spot as far as its neighbours let it. */
 static void move(tz_growth *g, int32_t spot, double dx, double dy)
 {
     const tz_growth_spot *q = &g->spot.v[spot];
-    const double most = farthest * g->ex.unit[q->match].spacing, d = hypot(dx, dy);
+    const tz_growth_unit *u = &g->ex[q->texture].unit[q->match];
+    const double most = farthest * u->spacing, d = hypot(dx, dy);
     tz_growth_view view;
     if (q->fixed || !(d > 1e-4 * most))
         return;
     if (d > most)
         dx *= most / d, dy *= most / d;
-    tz_growth_look(g, q->x, q->y, g->ex.unit[q->match].sight, spot, &view);
+    tz_growth_look(g, q->x, q->y, u->sight, spot, &view);
     for (int32_t halved = 0; halved < 2; halved++, dx *= 0.5, dy *= 0.5) {
-        const tz_vec3 to = {q->x + dx, q->y + dy, 0};
-        if (tz_domain_contains(&g->out->domain, to) &&
-            !collides(g, spot, dx, dy, &view)) {
+        const tz_vec2 v = tz_growth_in(&view, dx, dy);
+        if (may_go(g, q, q->x + dx, q->y + dy) && !collides(g, spot, v.x, v.y, &view)) {
             shift(g, spot, dx, dy);
             return;
         }
@@ -152,21 +180,36 @@ static void add_edge(tz_growth *g, int32_t from, int32_t to, float ex, float ey,
         g->edge[g->edges++] = (tz_growth_edge){from, to, ex, ey, w};
 }
 
+static void add_out(tz_growth *g, int32_t from, int32_t to, tz_vec2 e, float w)
+{
+    add_edge(g, from, to, (float)e.x, (float)e.y, w);
+}
+
 /* What an older neighbour's match says about this spot. */
-static void add_answer(tz_growth *g, int32_t spot, const tz_growth_seen *o)
+static void add_answer(tz_growth *g, int32_t spot, const tz_growth_view *view,
+                       const tz_growth_seen *o)
 {
     const tz_growth_spot *p = &g->spot.v[o->spot];
-    if (p->match < 0 || p->node < 0)
+    if (p->match < 0 || p->node < 0 || p->texture != g->spot.v[spot].texture)
         return;
-    const int32_t j = tz_growth_at(&g->ex, p->match, -o->x, -o->y);
+    const tz_growth_exemplar *ex = &g->ex[p->texture];
+    tz_growth_view its = {.c = 1};
+    if (g->out->domain.frames) {
+        const double a = tz_domain_frame(&g->out->domain, (tz_vec3){p->x, p->y, 0});
+        its.c = (float)cos(a), its.s = (float)sin(a);
+    }
+    const tz_vec2 at = tz_growth_out(view, o->x, o->y);
+    const tz_vec2 back = tz_growth_in(&its, -at.x, -at.y);
+    const int32_t j = tz_growth_at(ex, p->match, (float)back.x, (float)back.y);
     if (j < 0)
         return;
-    const tz_growth_unit *u = &g->ex.unit[p->match];
-    const tz_growth_near *near = &g->ex.near.v[u->near + j];
-    const float x = near->x + o->x, y = near->y + o->y;
+    const tz_growth_unit *u = &ex->unit[p->match];
+    const tz_growth_near *near = &ex->near.v[u->near + j];
+    const float x = near->x - (float)back.x, y = near->y - (float)back.y;
     const float limit = 0.25F * u->spacing * u->spacing, d = x * x + y * y;
     if (near->kind == g->spot.v[spot].kind && d < limit)
-        add_edge(g, p->node, g->spot.v[spot].node, x, y, 1 - d / limit);
+        add_out(g, p->node, g->spot.v[spot].node, tz_growth_out(&its, x, y),
+                1 - d / limit);
 }
 
 static void add_predictions(tz_growth *g, int32_t spot, int32_t young)
@@ -179,7 +222,7 @@ static void add_predictions(tz_growth *g, int32_t spot, int32_t young)
                  p[i].ey, p[i].weight);
     for (int32_t i = 0; i < view.n; i++)
         if (g->spot.v[view.v[i].spot].node >= young)
-            add_answer(g, spot, &view.v[i]);
+            add_answer(g, spot, &view, &view.v[i]);
 }
 
 static void sweep(tz_growth *g)
