@@ -27,6 +27,10 @@ static const tz_param rows[] = {
      NULL, "Weight of orientation and size against position"},
     {"border", TZ_PARAM_DOUBLE, offsetof(tz_energy_params, border), 0, 1, "0.25", "",
      NULL, "How much the exemplar's border is favoured near the output's"},
+    {"shape", TZ_PARAM_ENUM, offsetof(tz_energy_params, shape), 0, 2, "rigid", "",
+     "rigid|similarity|bend", "What long elements may do: turn, also grow, or bend"},
+    {"existence", TZ_PARAM_BOOL, offsetof(tz_energy_params, existence), 0, 1, "false", "",
+     NULL, "Adds elements where some are missing and removes those that are too many"},
 };
 
 const tz_param_table tz_energy_param_table = {
@@ -112,6 +116,7 @@ tz_status tz_energy_state_init(tz_ctx *ctx, tz_energy_state *t,
                            .set = output,
                            .seed = p->seed,
                            .border = p->border,
+                           .shape = p->shape,
                            .n = output->sample.n};
     tz_status s = reserve(t);
     for (int32_t k = 0; k < t->n && s == TZ_OK; k++)
@@ -173,11 +178,11 @@ static tz_status check(tz_ctx *ctx, const tz_element_set *exemplar,
     const tz_vec3 size = output->domain.size;
     for (int32_t i = 0; i < (int32_t)(sizeof rows / sizeof rows[0]); i++) {
         const char *at = (const char *)p + rows[i].offset;
-        const double v = rows[i].type == TZ_PARAM_DOUBLE
-                             ? *(const double *)(const void *)at
-                         : rows[i].type == TZ_PARAM_UINT64
-                             ? 0
-                             : (double)*(const int32_t *)(const void *)at;
+        const double v =
+            rows[i].type == TZ_PARAM_DOUBLE ? *(const double *)(const void *)at
+            : rows[i].type == TZ_PARAM_UINT64 || rows[i].type == TZ_PARAM_BOOL
+                ? 0
+                : (double)*(const int32_t *)(const void *)at;
         if (!(v >= rows[i].min && v <= rows[i].max))
             return tz_fail(ctx, TZ_INVALID, "energy: %s is %g, not in %g..%g",
                            rows[i].name, v, rows[i].min, rows[i].max);

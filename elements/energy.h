@@ -8,7 +8,7 @@
 #define TZ_ELEMENTS_ENERGY_H
 
 #include "base/param.h"
-#include "elements/element.h"
+#include "elements/bend.h"
 
 typedef enum tz_energy_start {
     TZ_ENERGY_PATCHES, /**< random patches of the exemplar side by side */
@@ -28,6 +28,9 @@ typedef struct tz_energy_params {
     double attribute; /**< weight of orientation and size against position, Eq. (1) */
     double border; /**< how much exemplar neighbourhoods near its border are favoured near
                            the domain's, 0..1 */
+    int32_t shape; /**< tz_shape: what becomes of elements of several samples */
+    bool existence; /**< adds what matches miss and removes what none of them sees, until
+                         half of the iterations are done; false, as in the paper: never */
 } tz_energy_params;
 TZ_API extern const tz_param_table tz_energy_param_table;
 
@@ -39,19 +42,23 @@ typedef struct tz_energy_hook {
     tz_status (*after)(void *user, tz_element_set *output, int32_t iteration,
                        double energy);
     /** Share of the place that lies inside the wanted shape, 0..1, Eq. (6). NULL = the
-     * domain's rectangle. */
+     * domain's rectangle and region. */
     double (*inside)(void *user, tz_vec3 at);
-    /** Angle of the local frame, radians, Eq. (7). NULL = 0 everywhere. */
+    /** Angle of the local frame, radians, Eq. (7). NULL = the domain's frames. */
     double (*frame)(void *user, tz_vec3 at);
     void *user;
 } tz_energy_hook;
 
 /** Synthesises. Depth (z) is carried along; matching is in the plane.
  * @param output  its domain is filled: fixed elements stay, others are replaced
- *                (TZ_ENERGY_GIVEN: are moved). Classes are the exemplar's; an output
- *                without any takes them over. Elements of one sample may change symbol,
- *                source, angle and size within their class; those of several are moved
- *                and turned as their samples are, which may leave them a little bent
+ *                (TZ_ENERGY_GIVEN: are moved; a layout that region growing made is a good
+ *                start). Classes are the exemplar's; an output without any takes them
+ *                over. Elements of one sample may change symbol, source, angle and size
+ *                within their class; those of several follow their samples, see
+ *                elements/bend.h. Where the domain has a region, elements are kept in it;
+ *                where it has frames, arrangements turn with them; where it has zones,
+ *                elements whose kind may not lie there are replaced by ones that may, and
+ *                none moves out of its zone
  * @param hook    NULL = none
  * @param[out] energy  NULL, or iterations + 1 values of Eq. (2) with the term of Eq. (6),
  *                before and after each

@@ -130,16 +130,35 @@ static void fill_row(fit *f, int32_t o)
     f->diagonal[o] = sum;
 }
 
-/* Own position; and samples that have left a plain domain are called back as strongly as
+tz_vec2 tz_energy_back(const tz_domain *d, tz_vec3 at)
+{
+    tz_vec2 back = {0, 0};
+    if (!d->torus) {
+        back.x = fmin(fmax(at.x, 0), d->size.x) - at.x;
+        back.y = fmin(fmax(at.y, 0), d->size.y) - at.y;
+    }
+    if (!d->region || back.x != 0 || back.y != 0)
+        return back;
+    const double depth = tz_region_distance(d->region, at);
+    if (depth >= 0)
+        return back;
+    const double h = d->size.x / d->region->raster.width; /* against the gradient */
+    const tz_vec3 a = {at.x - h, at.y, 0}, b = {at.x + h, at.y, 0};
+    const tz_vec3 u = {at.x, at.y - h, 0}, v = {at.x, at.y + h, 0};
+    const double x = tz_region_distance(d->region, b) - tz_region_distance(d->region, a);
+    const double y = tz_region_distance(d->region, v) - tz_region_distance(d->region, u);
+    const double l = hypot(x, y);
+    return l > 0 ? (tz_vec2){-depth * x / l, -depth * y / l} : back;
+}
+
+/* Own position; and samples that have left the domain are called back as strongly as
  * all their neighbours together speak. */
 static void anchor(fit *f, int32_t o)
 {
     const tz_energy_state *t = f->t;
-    const tz_vec3 p = t->at[o], size = t->set->domain.size;
-    const tz_vec2 back = {fmin(fmax(p.x, 0), size.x) - p.x,
-                          fmin(fmax(p.y, 0), size.y) - p.y};
+    const tz_vec2 back = tz_energy_back(&t->set->domain, t->at[o]);
     const double home = TZ_ENERGY_ANCHOR * (double)t->weight[o];
-    if (!t->set->domain.torus && (back.x != 0 || back.y != 0)) {
+    if (back.x != 0 || back.y != 0) {
         const double w = f->diagonal[o] + home;
         f->r[o].x += w * back.x, f->r[o].y += w * back.y;
         f->diagonal[o] += w;
@@ -275,82 +294,7 @@ double tz_energy_of_positions(const tz_energy_state *t)
     return sum;
 }
 
-/* ---- elements -------------------------------------------------------------------- */
-
-/* Rigid motion that brings the old samples nearest to the new ones: the weighted centre
- * moves along, the angle is that of the sum of products as complex numbers. */
-static void move_element(tz_energy_state *t, tz_element *e, const tz_vec2 *move)
-{
-    tz_sample *p = &t->set->sample.v[e->sample];
-    tz_vec2 old = {0, 0}, shift = {0, 0};
-    double total = 0, cosine = 0, sine = 0;
-    for (int32_t k = 0; k < e->samples; k++) {
-        const tz_vec2 u = move[t->place[e->sample + k]];
-        old.x += p[k].weight * p[k].at.x, old.y += p[k].weight * p[k].at.y;
-        shift.x += p[k].weight * u.x, shift.y += p[k].weight * u.y;
-        total += p[k].weight;
-    }
-    old = tz_vec2_scale(old, 1 / total), shift = tz_vec2_scale(shift, 1 / total);
-    for (int32_t k = 0; k < e->samples; k++) {
-        const tz_vec2 u = move[t->place[e->sample + k]];
-        const double x = p[k].at.x - old.x, y = p[k].at.y - old.y;
-        const double nx = x + u.x - shift.x, ny = y + u.y - shift.y;
-        cosine += p[k].weight * (x * nx + y * ny);
-        sine += p[k].weight * (x * ny - y * nx);
-        p[k].at.x += u.x, p[k].at.y += u.y;
-    }
-    const double turn = e->samples > 1 ? atan2(sine, cosine) : 0;
-    const double x = e->at.x - old.x, y = e->at.y - old.y;
-    e->angle += turn;
-    const tz_vec3 to = {old.x + shift.x + cos(turn) * x - sin(turn) * y,
-                        old.y + shift.y + sin(turn) * x + cos(turn) * y, e->at.z};
-    e->at = tz_domain_wrap(&t->set->domain, to);
-    for (int32_t k = 0; k < e->samples; k++) { /* samples stay beside their element */
-        p[k].at.x += e->at.x - to.x, p[k].at.y += e->at.y - to.y;
-        t->at[t->place[e->sample + k]] = p[k].at;
-    }
-}
-
-static double far_from(const tz_energy_exemplar *x, int32_t e, tz_vec2 mean)
-{
-    const double da = (double)x->a[e] - mean.x, db = (double)x->b[e] - mean.y;
-    return da * da + db * db;
-}
-
-/* The vote of least summed squared distance to all votes is the one nearest to their
- * mean. Parts of things that the exemplar's border has cut do not stand for election; an
- * element as good as the winner stays what it is. */
-static void elect(tz_energy_state *t, tz_element *e)
-{
-    const tz_energy_exemplar *x = t->x;
-    const int32_t o = t->place[e->sample];
-    const int32_t begin = t->vote_first[o], end = t->vote_first[o + 1];
-    if (t->match[o] < 0)
-        return;
-    tz_vec2 mean = {(double)x->a[t->match[o]], (double)x->b[t->match[o]]};
-    for (int32_t v = begin; v < end; v++)
-        mean.x += (double)x->a[t->vote.v[v]], mean.y += (double)x->b[t->vote.v[v]];
-    mean = tz_vec2_scale(mean, 1.0 / (end - begin + 1));
-    const double frame = tz_energy_frame(t, e->at);
-    const tz_vec2 q = tz_energy_attribute(x, e, frame);
-    const double now = (q.x - mean.x) * (q.x - mean.x) + (q.y - mean.y) * (q.y - mean.y);
-    double least = INFINITY;
-    int32_t winner = -1;
-    for (int32_t v = begin - 1; v < end; v++) {
-        const int32_t vote = v < begin ? t->match[o] : t->vote.v[v];
-        const double d = far_from(x, vote, mean);
-        if (d < least && !x->set->element.v[x->owner[vote]].cut)
-            least = d, winner = vote;
-    }
-    if (winner < 0 || fabs(now - least) <= 1e-9 * x->spacing * x->spacing)
-        return;
-    const tz_element *from = &x->set->element.v[x->owner[winner]];
-    e->source = x->owner[winner];
-    e->symbol = from->symbol;
-    e->angle = from->angle + frame;
-    e->scale = from->scale;
-    e->radius = from->radius;
-}
+/* ---- the step --------------------------------------------------------------------- */
 
 tz_status tz_energy_assign(tz_energy_state *t)
 {
@@ -363,9 +307,9 @@ tz_status tz_energy_assign(tz_energy_state *t)
         tz_element *e = &t->set->element.v[i];
         if (e->fixed)
             continue;
-        move_element(t, e, move);
+        tz_energy_move(t, e, move);
         if (t->x->attributes && e->samples == 1)
-            elect(t, e);
+            tz_energy_elect(t, e);
     }
     tz_free(t->ctx, move);
     return s;

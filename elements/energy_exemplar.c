@@ -16,7 +16,7 @@ enum {
 
 double tz_energy_spacing(const tz_element_set *set)
 {
-    const double area = set->domain.size.x * set->domain.size.y;
+    const double area = tz_domain_area(&set->domain);
     return sqrt(area / (set->element.n > 0 ? set->element.n : 1));
 }
 

@@ -9,6 +9,7 @@
 #ifndef TZ_ELEMENTS_ENERGY_INTERNAL_H
 #define TZ_ELEMENTS_ENERGY_INTERNAL_H
 
+#include "base/rng.h"
 #include "elements/cells.h"
 #include "elements/energy.h"
 #include "elements/pairing.h"
@@ -56,6 +57,11 @@ double tz_energy_spacing(const tz_element_set *set);
 tz_status tz_energy_fill(tz_ctx *ctx, const tz_element_set *exemplar,
                          const tz_energy_params *p, double patch, tz_element_set *output);
 
+/** Element i of the exemplar if it is whole and may lie at a place; else one of its kind,
+ * or, where that may not lie there, of one that may; -1 if there is none. */
+int32_t tz_energy_choose(const tz_element_set *from, const tz_domain *d, int32_t i,
+                         tz_vec3 at, tz_rng *r);
+
 /* ---- state ----------------------------------------------------------------------- */
 
 /** What an output sample is pulled to by one neighbourhood: edge from its centre. */
@@ -70,6 +76,7 @@ typedef struct tz_energy_state {
     tz_element_set *set; /**< the output */
     uint64_t seed;
     double border;
+    int32_t shape;   /**< tz_shape */
     int32_t n;       /**< samples; here they are numbered along the domain's cells */
     int32_t *sample; /**< number in the set of each */
     int32_t *place;  /**< the reverse */
@@ -98,6 +105,11 @@ tz_status tz_energy_state_init(tz_ctx *ctx, tz_energy_state *t,
                                const tz_energy_params *p);
 void tz_energy_state_deinit(tz_energy_state *t);
 double tz_energy_frame(const tz_energy_state *t, tz_vec3 at);
+/** Share of a place that lies inside, Eq. (6): 1 inside, falling to 0 half a spacing
+ * beyond the border of a region. */
+double tz_energy_inside(const tz_energy_state *t, tz_vec3 at);
+/** The way from a place outside the domain back to its border; 0, 0 inside. */
+tz_vec2 tz_energy_back(const tz_domain *d, tz_vec3 at);
 
 /* ---- steps ----------------------------------------------------------------------- */
 
@@ -107,6 +119,10 @@ tz_status tz_energy_search(tz_energy_state *t, int32_t round, double *energy);
 tz_status tz_energy_votes(tz_energy_state *t);
 /** Moves samples and elements, takes over attributes (energy_assign.c). */
 tz_status tz_energy_assign(tz_energy_state *t);
+/** Moves an element with its samples, which keep its shape (energy_move.c). */
+void tz_energy_move(tz_energy_state *t, tz_element *e, const tz_vec2 *move);
+/** Attributes that its neighbours vote for, Eq. (5). */
+void tz_energy_elect(tz_energy_state *t, tz_element *e);
 /** Eq. (4): sum over all pairs of squared error of position. */
 double tz_energy_of_positions(const tz_energy_state *t);
 /** The least squares of energy_assign.c alone. @param[out] move  t->n vectors */

@@ -51,7 +51,21 @@ typedef struct quest {
 
 double tz_energy_frame(const tz_energy_state *t, tz_vec3 at)
 {
-    return t->hook && t->hook->frame ? t->hook->frame(t->hook->user, at) : 0;
+    return t->hook && t->hook->frame ? t->hook->frame(t->hook->user, at)
+                                     : tz_domain_frame(&t->set->domain, at);
+}
+
+double tz_energy_inside(const tz_energy_state *t, tz_vec3 at)
+{
+    const tz_domain *d = &t->set->domain;
+    if (t->hook && t->hook->inside)
+        return t->hook->inside(t->hook->user, at);
+    if (!d->torus && !(at.x >= 0 && at.y >= 0 && at.x < d->size.x && at.y < d->size.y))
+        return 0;
+    if (!d->region)
+        return 1;
+    const double depth = tz_region_distance(d->region, at) / (0.5 * t->x->spacing);
+    return fmin(fmax(1 + depth, 0), 1);
 }
 
 /* ---- neighbours ------------------------------------------------------------------ */
@@ -114,8 +128,8 @@ static void gather(quest *k)
 
 /* ---- candidates ------------------------------------------------------------------ */
 
-/* Eq. (6): neighbours of e that would come to lie outside, as areas of the square of
- * one element. */
+/* Eq. (6): neighbours of e that would come to lie outside, or in a zone that is not for
+ * them, as areas of the square of one element. */
 static double outside(const quest *k, int32_t e)
 {
     const tz_energy_state *t = k->t;
@@ -127,9 +141,10 @@ static double outside(const quest *k, int32_t e)
         const double x = (double)s->x[j], y = (double)s->y[j];
         const tz_vec3 p = {at.x + cosine * x - sine * y, at.y + sine * x + cosine * y,
                            at.z};
-        const double in = t->hook && t->hook->inside
-                              ? t->hook->inside(t->hook->user, p)
-                              : tz_domain_contains(&t->set->domain, p);
+        const int32_t id = t->x->member[(ptrdiff_t)e * MOST + j];
+        const int32_t kind = t->x->set->element.v[t->x->owner[id]].kind;
+        const double in =
+            tz_domain_allows(&t->set->domain, p, kind) ? tz_energy_inside(t, p) : 0;
         sum += (1 - in) * (1 - in);
     }
     return t->border * sum * t->x->spacing * t->x->spacing;
@@ -141,7 +156,9 @@ static bool at_border(const tz_energy_state *t, tz_vec3 p)
     const tz_vec3 size = t->set->domain.size;
     if (!(t->border > 0))
         return false;
-    if (t->hook && t->hook->inside)
+    if ((t->hook && t->hook->inside) || t->set->domain.zones)
+        return true;
+    if (t->set->domain.region && tz_region_distance(t->set->domain.region, p) < r)
         return true;
     return !t->set->domain.torus &&
            !(p.x > r && p.y > r && p.x < size.x - r && p.y < size.y - r);

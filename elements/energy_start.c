@@ -25,7 +25,8 @@ enum {
 
 /* A thing that stands beside a cell. */
 typedef struct beside {
-    tz_vec3 at; /* from the cell's corner */
+    tz_vec3 at;   /* from the cell's corner, turned back as the exemplar lies */
+    double angle; /* in the local frame */
     const tz_element *element;
 } beside;
 
@@ -44,6 +45,7 @@ typedef struct filler {
     tz_vec2 side; /* of a cell of the domain */
     int32_t nx, ny;
     int32_t *begin, *end; /* elements of each cell; equal = none yet */
+    double expected; /* elements of the cells that are done, as the exemplar has them */
 } filler;
 
 /* Only fixed elements and their samples stay. */
@@ -81,15 +83,17 @@ static bool taken(const filler *f, tz_vec3 at)
            tz_cells_near(&f->fixed, f->fixed_at, at, f->apart, -1, &one, 1) > 0;
 }
 
-/* A whole element of the same class in place of one that is cut, or -1. */
-static int32_t whole(const filler *f, int32_t i, tz_rng *r)
+int32_t tz_energy_choose(const tz_element_set *from, const tz_domain *d, int32_t i,
+                         tz_vec3 at, tz_rng *r)
 {
-    const tz_element *e = f->from->element.v;
-    if (!e[i].cut)
-        return i;
+    const tz_element *e = from->element.v;
+    const bool kept = tz_domain_allows(d, at, e[i].kind);
     int32_t n = 0, chosen = -1;
-    for (int32_t k = 0; k < f->from->element.n; k++)
-        if (e[k].kind == e[i].kind && !e[k].cut && tz_rng_below(r, ++n) == 0)
+    if (kept && !e[i].cut)
+        return i;
+    for (int32_t k = 0; k < from->element.n; k++)
+        if ((kept ? e[k].kind == e[i].kind : tz_domain_allows(d, at, e[k].kind)) &&
+            !e[k].cut && tz_rng_below(r, ++n) == 0)
             chosen = k;
     return chosen;
 }
@@ -97,42 +101,99 @@ static int32_t whole(const filler *f, int32_t i, tz_rng *r)
 /* Kept when its first sample comes to lie inside and on no fixed element. */
 static tz_status place(filler *f, int32_t source, tz_vec3 at, tz_rng *r)
 {
-    source = whole(f, source, r);
+    const tz_domain *d = &f->to->domain;
+    source = tz_energy_choose(f->from, d, source, tz_domain_wrap(d, at), r);
     if (source < 0)
         return TZ_OK;
     const tz_element *e = &f->from->element.v[source];
     const tz_vec3 p = f->from->sample.v[e->sample].at;
-    const tz_vec3 first = {at.x + p.x - e->at.x, at.y + p.y - e->at.y, at.z};
-    if (!tz_domain_contains(&f->to->domain, first) || taken(f, at))
+    const double turn = tz_domain_frame(d, at), c = cos(turn), s = sin(turn);
+    const double x = p.x - e->at.x, y = p.y - e->at.y;
+    const tz_vec3 first = {at.x + c * x - s * y, at.y + s * x + c * y, at.z};
+    if (!tz_domain_contains(d, first) || taken(f, at))
         return TZ_OK;
-    return tz_element_set_place(f->to, f->from, source, at, 0, 1);
+    return tz_element_set_place(f->to, f->from, source, at, turn, 1);
 }
 
 /* ---- patches --------------------------------------------------------------------- */
 
-/* Where a patch begins along an axis: anywhere on a torus, else wholly inside if it can
- * be. */
-static double patch_begin(tz_rng *r, double size, double side, bool torus)
+/* A patch lies in the exemplar straight, from `corner` on; in the domain it is turned
+ * about the middle of its cell by the frame there. */
+static double turn_of(const filler *f, int32_t cell)
 {
-    const double room = torus ? size : fmax(0, size - side);
-    return tz_rng_unit(r) * room;
+    const tz_vec3 middle = {(cell % f->nx + 0.5) * f->side.x,
+                            (cell / f->nx + 0.5) * f->side.y, 0};
+    return tz_domain_frame(&f->to->domain, middle);
 }
 
-static tz_status copy_patch(filler *f, tz_vec2 from_corner, tz_vec2 to_corner, tz_rng *r)
+static tz_vec2 turned(const filler *f, tz_vec2 v, double turn)
+{
+    const double x = v.x - 0.5 * f->side.x, y = v.y - 0.5 * f->side.y;
+    const double c = cos(turn), s = sin(turn);
+    return (tz_vec2){c * x - s * y + 0.5 * f->side.x, s * x + c * y + 0.5 * f->side.y};
+}
+
+/* Where element i of the exemplar comes to lie, from the cell's corner; false beyond. */
+static bool in_patch(const filler *f, int32_t i, tz_vec2 corner, double turn, tz_vec2 *v)
+{
+    const tz_domain *d = &f->from->domain;
+    const tz_vec3 q = f->from->element.v[i].at;
+    *v = (tz_vec2){q.x - corner.x, q.y - corner.y};
+    if (d->torus && turn == 0) {
+        v->x = tz_domain_wrap_axis(v->x, d->size.x);
+        v->y = tz_domain_wrap_axis(v->y, d->size.y);
+    } else if (turn != 0) {
+        const tz_vec3 middle = {0.5 * f->side.x, 0.5 * f->side.y, 0};
+        const tz_vec3 way = tz_domain_vector(d, middle, (tz_vec3){v->x, v->y, 0});
+        *v = turned(f, (tz_vec2){middle.x + way.x, middle.y + way.y}, turn);
+    }
+    return v->x >= 0 && v->y >= 0 && v->x < f->side.x && v->y < f->side.y;
+}
+
+/* Share of a cell that lies inside the region. */
+static double share_of(const filler *f, int32_t cell)
+{
+    enum { GRID = 8 };
+    int32_t in = 0;
+    if (!f->to->domain.region)
+        return 1;
+    for (int32_t k = 0; k < GRID * GRID; k++) {
+        const tz_vec3 p = {(cell % f->nx + (k % GRID + 0.5) / GRID) * f->side.x,
+                           (cell / f->nx + (k / GRID + 0.5) / GRID) * f->side.y, 0};
+        in += tz_region_distance(f->to->domain.region, p) > 0;
+    }
+    return (double)in / (GRID * GRID);
+}
+
+/* Where a patch begins along an axis: anywhere on a torus, else wholly inside if it can
+ * be, also turned. */
+static double patch_begin(tz_rng *r, double size, double side, double reach, bool torus)
+{
+    const double rest = 0.5 * (reach - side);
+    const double room = torus ? size : fmax(0, size - reach);
+    return tz_rng_unit(r) * room + (torus ? 0 : fmin(rest, 0.5 * fmax(0, size - side)));
+}
+
+/* Extent of a turned patch along the exemplar's axes. */
+static tz_vec2 reach_of(const filler *f, double turn)
+{
+    const double c = fabs(cos(turn)), s = fabs(sin(turn));
+    return turn == 0
+               ? f->side
+               : (tz_vec2){c * f->side.x + s * f->side.y, s * f->side.x + c * f->side.y};
+}
+
+static tz_status copy_patch(filler *f, tz_vec2 from_corner, int32_t cell, tz_rng *r)
 {
     const tz_element_set *from = f->from;
-    const tz_vec3 size = from->domain.size;
+    const tz_vec2 to = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
+    const double turn = turn_of(f, cell);
     tz_status s = TZ_OK;
-    for (int32_t i = 0; i < from->element.n && s == TZ_OK; i++) {
-        const tz_vec3 q = from->element.v[i].at;
-        double x = q.x - from_corner.x, y = q.y - from_corner.y;
-        if (from->domain.torus) {
-            x = tz_domain_wrap_axis(x, size.x);
-            y = tz_domain_wrap_axis(y, size.y);
-        }
-        if (x >= 0 && y >= 0 && x < f->side.x && y < f->side.y)
-            s = place(f, i, (tz_vec3){to_corner.x + x, to_corner.y + y, q.z}, r);
-    }
+    tz_vec2 v;
+    for (int32_t i = 0; i < from->element.n && s == TZ_OK; i++)
+        if (in_patch(f, i, from_corner, turn, &v))
+            s = place(f, i, (tz_vec3){to.x + v.x, to.y + v.y, from->element.v[i].at.z},
+                      r);
     return s;
 }
 
@@ -143,6 +204,7 @@ static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng 
     const int32_t cx = cell % f->nx, cy = cell / f->nx;
     const tz_domain *d = &f->to->domain;
     const tz_vec3 middle = {(cx + 0.5) * f->side.x, (cy + 0.5) * f->side.y, 0};
+    const double turn = turn_of(f, cell);
     int32_t seen = 0;
     for (int32_t k = 0; k < 9; k++) {
         int32_t x = cx + k % 3 - 1, y = cy + k / 3 - 1;
@@ -158,8 +220,12 @@ static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng 
                 v.y > f->side.y + margin)
                 continue;
             const int32_t at = seen < BAND ? seen : tz_rng_below(r, seen + 1);
+            if (turn != 0) {
+                const tz_vec2 back = turned(f, (tz_vec2){v.x, v.y}, -turn);
+                v.x = back.x, v.y = back.y;
+            }
             if (at < BAND)
-                out[at] = (beside){v, e};
+                out[at] = (beside){v, e->angle - turn, e};
             seen++;
         }
     }
@@ -168,13 +234,14 @@ static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng 
 
 /* Squared distance of orientation and size, as in Eq. (1). Several samples show the
  * angle even where the class is said to have none. */
-static double unlike(const filler *f, const tz_element *p, const tz_element *q)
+static double unlike(const filler *f, const tz_element *p, const beside *b)
 {
+    const tz_element *q = b->element;
     const double ds = p->radius - q->radius;
     if (!f->from->kind.v[p->kind].oriented && p->samples == 1)
         return f->attribute * ds * ds;
-    const double x = p->radius * cos(p->angle) - q->radius * cos(q->angle);
-    const double y = p->radius * sin(p->angle) - q->radius * sin(q->angle);
+    const double x = p->radius * cos(p->angle) - q->radius * cos(b->angle);
+    const double y = p->radius * sin(p->angle) - q->radius * sin(b->angle);
     return f->attribute * (x * x + y * y);
 }
 
@@ -197,7 +264,7 @@ static double mismatch(const filler *f, tz_vec2 corner, const beside *v, int32_t
         for (int32_t k = 0; k < m; k++) {
             const tz_element *e = &from->element.v[near[k].id];
             if (e->kind == v[i].element->kind)
-                least = fmin(least, (double)near[k].dist2 + unlike(f, e, v[i].element));
+                least = fmin(least, (double)near[k].dist2 + unlike(f, e, &v[i]));
         }
         sum += least;
         known++;
@@ -206,18 +273,20 @@ static double mismatch(const filler *f, tz_vec2 corner, const beside *v, int32_t
 }
 
 /* Corner of a patch that brings a random thing of the exemplar to where one stands. */
-static bool aligned(const filler *f, const beside *v, int32_t n, tz_rng *r,
+static bool aligned(const filler *f, const beside *v, int32_t n, tz_vec2 reach, tz_rng *r,
                     tz_vec2 *corner)
 {
     const tz_element_set *from = f->from;
     const tz_vec3 size = from->domain.size;
     const double slack = from->domain.torus ? INFINITY : 1e-9 * size.x;
+    const tz_vec2 rest = {0.5 * (reach.x - f->side.x), 0.5 * (reach.y - f->side.y)};
     const beside *b = &v[tz_rng_below(r, n)];
     for (int32_t k = 0; k < 24; k++) {
         const tz_element *e = &from->element.v[tz_rng_below(r, from->element.n)];
         const tz_vec2 c = {e->at.x - b->at.x, e->at.y - b->at.y};
-        if (e->kind != b->element->kind || c.x < -slack || c.y < -slack ||
-            c.x > size.x - f->side.x + slack || c.y > size.y - f->side.y + slack)
+        if (e->kind != b->element->kind || c.x < rest.x - slack || c.y < rest.y - slack ||
+            c.x > size.x - f->side.x - rest.x + slack ||
+            c.y > size.y - f->side.y - rest.y + slack)
             continue;
         *corner = c;
         return true;
@@ -228,52 +297,53 @@ static bool aligned(const filler *f, const beside *v, int32_t n, tz_rng *r,
 /* What fits best is often what is dense, since dense patches have something near
  * everything: the more elements there are too many (or few), the more a patch that adds
  * to that costs. In shares, so that 0 = as the exemplar. */
-static double surplus(const filler *f, tz_vec2 corner, int32_t cells_before)
+static double surplus(const filler *f, tz_vec2 corner, int32_t cell, double share)
 {
     const tz_vec3 size = f->from->domain.size;
-    const double n = f->from->element.n;
-    const double average = n * f->side.x * f->side.y / (size.x * size.y);
-    const double excess = f->to->element.n - f->fixed_n - average * cells_before;
+    const double average = f->from->element.n * f->side.x * f->side.y / (size.x * size.y);
+    const double excess = f->to->element.n - f->fixed_n - f->expected;
+    const tz_vec2 to = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
+    const double turn = turn_of(f, cell);
     int32_t here = 0;
-    for (int32_t i = 0; i < f->from->element.n; i++) {
-        double x = f->source_at[i].x - corner.x, y = f->source_at[i].y - corner.y;
-        if (f->from->domain.torus) {
-            x = tz_domain_wrap_axis(x, size.x);
-            y = tz_domain_wrap_axis(y, size.y);
-        }
-        here += x >= 0 && y >= 0 && x < f->side.x && y < f->side.y;
-    }
+    tz_vec2 v;
+    for (int32_t i = 0; i < f->from->element.n; i++)
+        here += in_patch(f, i, corner, turn, &v) &&
+                (share == 1 || tz_domain_contains(&f->to->domain,
+                                                  (tz_vec3){to.x + v.x, to.y + v.y, 0}));
     /* the first cells say little */
-    return excess / (average * (cells_before + 10)) * (here - average) / average;
+    return excess / (f->expected + 10 * average) * (here - average * share) / average;
 }
 
-static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell,
-                           int32_t before)
+static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
 {
     const double push = 1; /* of `surplus` against misfit */
     const tz_vec3 size = f->from->domain.size;
     const double spacing = tz_energy_spacing(f->from), limit = spacing * spacing;
+    const double share = share_of(f, cell);
+    const tz_vec2 reach = reach_of(f, turn_of(f, cell));
     tz_rng r = tz_rng_make(p->seed, tz_rng_stream(STREAM_PATCH, (uint64_t)cell, 0));
-    tz_vec2 best = {patch_begin(&r, size.x, f->side.x, f->from->domain.torus),
-                    patch_begin(&r, size.y, f->side.y, f->from->domain.torus)};
+    tz_vec2 best = {patch_begin(&r, size.x, f->side.x, reach.x, f->from->domain.torus),
+                    patch_begin(&r, size.y, f->side.y, reach.y, f->from->domain.torus)};
     beside v[BAND];
+    f->begin[cell] = f->end[cell] = f->to->element.n;
+    if (share == 0)
+        return TZ_OK;
     const int32_t n = f->tries > 1 ? look_beside(f, cell, 1.5 * spacing, &r, v) : 0;
-    double least =
-        n > 0 ? mismatch(f, best, v, n, limit) + push * limit * surplus(f, best, before)
-              : 0;
+    double least = n > 0 ? mismatch(f, best, v, n, limit) +
+                               push * limit * surplus(f, best, cell, share)
+                         : 0;
     for (int32_t k = 1; k < f->tries && n > 0; k++) {
         tz_vec2 corner;
-        if (!aligned(f, v, n, &r, &corner))
+        if (!aligned(f, v, n, reach, &r, &corner))
             continue;
-        const double m =
-            mismatch(f, corner, v, n, limit) + push * limit * surplus(f, corner, before);
+        const double m = mismatch(f, corner, v, n, limit) +
+                         push * limit * surplus(f, corner, cell, share);
         if (m < least)
             least = m, best = corner;
     }
-    const tz_vec2 at = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
-    f->begin[cell] = f->to->element.n;
-    tz_status s = copy_patch(f, best, at, &r);
+    tz_status s = copy_patch(f, best, cell, &r);
     f->end[cell] = f->to->element.n;
+    f->expected += share * f->from->element.n * f->side.x * f->side.y / (size.x * size.y);
     return s;
 }
 
@@ -302,8 +372,10 @@ static tz_status index_exemplar(filler *f)
 
 static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch)
 {
-    const tz_vec3 size = f->to->domain.size, most = f->from->domain.size;
-    /* a patch cannot be larger than what it is cut from */
+    const tz_vec3 size = f->to->domain.size, whole = f->from->domain.size;
+    /* a patch cannot be larger than what it is cut from, however it is turned */
+    const double part = f->to->domain.frames ? sqrt(0.5) : 1;
+    const tz_vec2 most = {part * whole.x, part * whole.y};
     const double nx = fmax(1, fmax(floor(size.x / patch + 0.5), ceil(size.x / most.x)));
     const double ny = fmax(1, fmax(floor(size.y / patch + 0.5), ceil(size.y / most.y)));
     int32_t *order = NULL;
@@ -326,7 +398,7 @@ static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch
     if (s == TZ_OK)
         order_cells(order, n, f->tries > 1, p->seed);
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
-        s = tz_ctx_cancelled(f->ctx) ? TZ_CANCELLED : fill_cell(f, p, order[i], i);
+        s = tz_ctx_cancelled(f->ctx) ? TZ_CANCELLED : fill_cell(f, p, order[i]);
     tz_free(f->ctx, order);
     return s;
 }

@@ -125,6 +125,7 @@ static tz_status parse_name(parser *p)
 
 static tz_status parse_atom(parser *p)
 {
+    const char *end;
     double v;
     skip(p);
     if (*p->at >= 'a' && *p->at <= 'z')
@@ -137,8 +138,10 @@ static tz_status parse_atom(parser *p)
         return s;
     }
     if (((*p->at >= '0' && *p->at <= '9') || *p->at == '.') &&
-        tz_number_parse(p->at, &p->at, &v))
+        tz_number_parse(p->at, &end, &v)) {
+        p->at = end;
         return emit(p, CONSTANT, v);
+    }
     return wrong(p, "a number, a name or a ( is missing");
 }
 

@@ -35,7 +35,7 @@ static void test_disc(void **state)
         double d = 40.2 - hypot(p.x - 60.3, p.y - 66.9);
         if (d > 0)
             d = fmin(d, fmin(fmin(p.x, 128 - p.x), fmin(p.y, 128 - p.y)));
-        if (fabs(40.2 - d) > 2) /* bilinear cuts the tip of the cone off */
+        if (fabs(40.2 - d) > 5) /* bilinear cuts the tip of the cone off */
             assert_float_equal(tz_region_distance(r, p), d, 0.1);
     }
     assert_float_equal(r->area, TZ_PI * 40.2 * 40.2, 0.002 * r->area);
@@ -159,13 +159,13 @@ static void test_drawing(void **state)
     assert_true(inside(r, 74, 30) && !inside(r, 90, 30));
     assert_true(inside(r, 150, 30) && !inside(r, 20, 120) && !inside(r, 49, 140));
     assert_true(inside(r, 100, 140) && inside(r, 108, 140) && !inside(r, 112, 140));
-    assert_float_equal(tz_region_distance(r, (tz_vec3){100, 140, 0}), 10, 0.1);
-    assert_float_equal(tz_region_distance(r, (tz_vec3){30, 30, 0}), -10, 0.1);
+    assert_float_equal(tz_region_distance(r, (tz_vec3){100, 140, 0}), 10, 0.25);
+    assert_float_equal(tz_region_distance(r, (tz_vec3){30, 30, 0}), -10, 0.25);
     assert_float_equal(r->area, 4 * (300 + 300 + 400 + TZ_PI * 25), 8);
     const tz_domain d = {.size = size, .region = r};
     assert_true(tz_domain_contains(&d, (tz_vec3){100, 140, 0}));
     assert_false(tz_domain_contains(&d, (tz_vec3){30, 30, 0}));
-    assert_float_equal(tz_domain_depth(&d, (tz_vec3){100, 140, 0}), 10, 0.1);
+    assert_float_equal(tz_domain_depth(&d, (tz_vec3){100, 140, 0}), 10, 0.25);
     assert_true(tz_domain_area(&d) == r->area);
     tz_region_free(r);
     /* overlapping shapes are one; nothing but the paper is the paper */
