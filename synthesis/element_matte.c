@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mattes: how much of each pixel of a photo belongs to a thing, which colour the thing has
+ * there, and how dark the ground beside it is.
+ *
+ * Near an outline a pixel shows I = a F + (1 - a) B. With F and B the means of what lies
+ * well inside and well outside nearby, a is the place of I on the line between them,
+ *   a = (I - B) . (F - B) / |F - B|^2,
+ * which is trusted as far as inside and outside differ by more than they vary themselves:
+ *   w = 1 / (1 + (3 s / |F - B|)^2),   s = their spread along the line,
+ * and else the area under the outline counts. The thing's own colour is then
+ *   F + a (I - a F - (1 - a) B):
+ * the photo's own texture where the thing fills the pixel, the mean inside where little of
+ * it is left, never the old neighbour's.
+ * @source Chuang, Curless, Salesin, Szeliski: A Bayesian approach to digital matting, CVPR
+ *   2001, with one colour a side, which is then in closed form; Smith, Blinn: Blue screen
+ *   matting, SIGGRAPH 1996 */
+#include <string.h>
+
+#include "synthesis/element_render_internal.h"
+
+enum { WINDOW = 6 }; /* px about a pixel in which inside and outside are looked at */
+
+tz_f4 tz_photo_linear(const tz_image *photo, int32_t x, int32_t y, bool raw)
+{
+    const int32_t colours = photo->channels - (photo->alpha >= 0);
+    tz_f4 v = {0};
+    x = x < 0 ? 0 : x < photo->width ? x : photo->width - 1;
+    y = y < 0 ? 0 : y < photo->height ? y : photo->height - 1;
+    const float *p = tz_image_at(photo, x, y);
+    for (int32_t k = 0, c = 0; k < photo->channels && c < 3 && c < colours; k++)
+        if (k != photo->alpha)
+            v[c++] =
+                raw || photo->encoding != TZ_ENCODING_SRGB ? p[k] : tz_srgb_decode(p[k]);
+    return v;
+}
+
+static float opacity(const tz_image *photo, int32_t x, int32_t y)
+{
+    if (x < 0 || y < 0 || x >= photo->width || y >= photo->height)
+        return 0;
+    return photo->alpha >= 0 ? tz_image_at(photo, x, y)[photo->alpha] : 1;
+}
+
+static float luminance(tz_f4 v, int32_t colours)
+{
+    return colours < 3 ? v[0] : 0.2126F * v[0] + 0.7152F * v[1] + 0.0722F * v[2];
+}
+
+static float dot3(tz_f4 a, tz_f4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/* ---- outlines ------------------------------------------------------------------------ */
+
+static tz_vec2 in_photo(const tz_element_symbol *y, tz_vec2 p)
+{
+    return tz_vec2_add(y->photo_at, tz_vec2_scale(p, y->photo_scale));
+}
+
+static int32_t part_end(const tz_element_symbol *y, int32_t k)
+{
+    return k + 1 < y->part.n ? y->part.v[k + 1] : y->outline.n;
+}
+
+/* Covers the outline in a block whose corner is at (x, y) of the photo. */
+static void cover_outline(const tz_element_symbol *y, int32_t x0, int32_t y0, tz_cover *c)
+{
+    for (int32_t k = 0; k < y->part.n; k++) {
+        const int32_t from = y->part.v[k], end = part_end(y, k);
+        for (int32_t i = from; i < end; i++) {
+            tz_vec2 p = in_photo(y, y->outline.v[i]),
+                    q = in_photo(y, y->outline.v[i + 1 < end ? i + 1 : from]);
+            p.x -= x0, p.y -= y0, q.x -= x0, q.y -= y0;
+            tz_cover_edge(c, p, q);
+        }
+    }
+}
+
+static tz_rect outline_box(const tz_element_symbol *y, double margin,
+                           const tz_image *photo)
+{
+    tz_bounds b = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (int32_t i = 0; i < y->outline.n; i++) {
+        const tz_vec2 p = in_photo(y, y->outline.v[i]);
+        b.x0 = fmin(b.x0, p.x), b.x1 = fmax(b.x1, p.x);
+        b.y0 = fmin(b.y0, p.y), b.y1 = fmax(b.y1, p.y);
+    }
+    if (!(b.x0 < photo->width && b.y0 < photo->height && b.x1 > 0 && b.y1 > 0))
+        return (tz_rect){0, 0, 0, 0};
+    const double lo = -margin, x1 = photo->width + margin, y1 = photo->height + margin;
+    const int32_t x = (int32_t)floor(fmax(b.x0 - margin, lo)),
+                  t = (int32_t)floor(fmax(b.y0 - margin, lo));
+    return (tz_rect){x, t, (int32_t)ceil(fmin(b.x1 + margin, x1)) - x,
+                     (int32_t)ceil(fmin(b.y1 + margin, y1)) - t};
+}
+
+tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, tz_matte_photo *p)
+{
+    const int32_t width = p->photo->width, height = p->photo->height;
+    const tz_rect box =
+        tz_rect_intersect(outline_box(y, 1, p->photo), (tz_rect){0, 0, width, height});
+    tz_cover c = {0};
+    float *row = NULL;
+    if (tz_rect_empty(box))
+        return TZ_OK;
+    tz_status s = tz_cover_init(ctx, &c, box.w, box.h);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &row, (size_t)box.w, sizeof *row);
+    if (s == TZ_OK) {
+        cover_outline(y, box.x, box.y, &c);
+        for (int32_t j = c.top; j <= c.bottom; j++) {
+            int32_t from, to;
+            if (!tz_cover_take(&c, j, true, row, &from, &to))
+                continue;
+            uint8_t *at = p->taken + (int64_t)(box.y + j) * width + box.x;
+            for (int32_t i = from; i < to; i++)
+                if (row[i] > 0)
+                    at[i] = 1;
+        }
+    }
+    tz_free(ctx, row);
+    tz_cover_deinit(ctx, &c);
+    return s;
+}
+
+/* Distances to the outline as far as `reach`, and which way. */
+static void find_distances(const tz_element_symbol *y, tz_matte *m)
+{
+    const tz_rect b = m->box;
+    const int64_t n = (int64_t)b.w * b.h;
+    for (int64_t i = 0; i < n; i++)
+        m->distance[i] = m->reach * m->reach;
+    for (int32_t k = 0; k < y->part.n; k++) {
+        const int32_t from = y->part.v[k], end = part_end(y, k);
+        for (int32_t i = from; i < end; i++) {
+            tz_vec2 p = in_photo(y, y->outline.v[i]),
+                    q = in_photo(y, y->outline.v[i + 1 < end ? i + 1 : from]);
+            p.x -= b.x + 0.5, p.y -= b.y + 0.5, q.x -= b.x + 0.5, q.y -= b.y + 0.5;
+            const tz_vec2 d = tz_vec2_sub(q, p);
+            const double l = tz_vec2_dot(d, d), r = m->reach;
+            const int32_t x0 = (int32_t)fmax(ceil(fmin(p.x, q.x) - r), 0),
+                          x1 = (int32_t)fmin(floor(fmax(p.x, q.x) + r), b.w - 1),
+                          y0 = (int32_t)fmax(ceil(fmin(p.y, q.y) - r), 0),
+                          y1 = (int32_t)fmin(floor(fmax(p.y, q.y) + r), b.h - 1);
+            for (int32_t v = y0; v <= y1; v++)
+                for (int32_t u = x0; u <= x1; u++) {
+                    const tz_vec2 o = {u - p.x, v - p.y};
+                    double t = l > 0 ? tz_vec2_dot(o, d) / l : 0;
+                    t = t < 0 ? 0 : t > 1 ? 1 : t;
+                    const double ex = o.x - t * d.x, ey = o.y - t * d.y;
+                    float *at = &m->distance[(int64_t)v * b.w + u];
+                    const float e = (float)(ex * ex + ey * ey);
+                    *at = e < *at ? e : *at;
+                }
+        }
+    }
+    for (int64_t i = 0; i < n; i++)
+        m->distance[i] =
+            m->alpha[i] >= 0.5F ? sqrtf(m->distance[i]) : -sqrtf(m->distance[i]);
+}
+
+/* ---- borders ------------------------------------------------------------------------- */
+
+/* Mean and spread of what lies on one side near a pixel. */
+typedef struct side {
+    float weight;
+    tz_f4 mean, square;
+} side;
+
+static void add_sample(side *s, float w, tz_f4 v)
+{
+    s->weight += w;
+    s->mean += w * v;
+    s->square += w * (v * v);
+}
+
+static bool settle(side *s)
+{
+    if (!(s->weight > 0.05F))
+        return false;
+    s->mean = s->mean / s->weight;
+    s->square = s->square / s->weight - s->mean * s->mean;
+    return true;
+}
+
+typedef struct border {
+    const tz_matte *m;
+    const tz_f4 *photo; /* linear, box */
+    float matte;
+} border;
+
+/* What lies at least `deep` px inside and outside within the window. */
+static bool find_sides(const border *b, int32_t x, int32_t y, float deep, side *in,
+                       side *out)
+{
+    const tz_matte *m = b->m;
+    *in = *out = (side){0};
+    for (int32_t v = y - WINDOW; v <= y + WINDOW; v++)
+        for (int32_t u = x - WINDOW; u <= x + WINDOW; u++) {
+            if (u < 0 || v < 0 || u >= m->box.w || v >= m->box.h)
+                continue;
+            const int64_t at = (int64_t)v * m->box.w + u;
+            const float d = m->distance[at];
+            if (fabsf(d) < deep || b->photo[at][3] <= 0)
+                continue;
+            const float r2 = (float)((u - x) * (u - x) + (v - y) * (v - y));
+            /* a smooth bump: no exp, the same on every machine */
+            const float t = 1 - r2 / (2 * WINDOW * WINDOW);
+            if (t > 0)
+                add_sample(d > 0 ? in : out, t * t, b->photo[at]);
+        }
+    const bool inner = settle(in), outer = settle(out);
+    return inner && outer;
+}
+
+/* Alpha and pure colour of a pixel near the outline. */
+static void refine(const border *b, int32_t x, int32_t y, float *alpha, float colour[3])
+{
+    const int64_t at = (int64_t)y * b->m->box.w + x;
+    const tz_f4 i = b->photo[at];
+    const float area = *alpha;
+    side in, out;
+    bool found = find_sides(b, x, y, b->matte, &in, &out);
+    if (!found) /* thin: what there is of its middle */
+        found = find_sides(b, x, y, 0.5F * b->matte, &in, &out);
+    if (!found)
+        return;
+    const tz_f4 f = in.mean, g = out.mean, line = f - g;
+    const float l = dot3(line, line);
+    float a = area;
+    if (l > 1e-9F) {
+        const tz_f4 spread = in.square + out.square;
+        /* along the line, counting channels apart */
+        const float s2 = fmaxf(dot3(spread, line * line) / l, 0) + 1e-6F;
+        const float w = 1 / (1 + 9 * s2 / l);
+        float on = dot3(i - g, line) / l;
+        on = on < 0 ? 0 : on > 1 ? 1 : on;
+        /* by and by as far as the band goes */
+        const float edge = fabsf(b->m->distance[at]) - (b->matte - 1);
+        const float keep = edge <= 0 ? 1 : edge >= 1 ? 0 : 1 - edge;
+        a = area + keep * w * (on - area);
+    }
+    a = a < 1.0F / 512 ? 0 : a > 1 - 1.0F / 512 ? 1 : a;
+    const tz_f4 pure = f + a * (i - a * f - (1 - a) * g);
+    for (int k = 0; k < 3; k++)
+        colour[k] = a >= 1 ? i[k] : pure[k] < 0 ? 0 : pure[k];
+    *alpha = a;
+}
+
+/* ---- shadows ------------------------------------------------------------------------- */
+
+/* Means of photo and plate where the ground is seen. */
+typedef struct ground {
+    float *photo, *plate; /* luminance; plate < 0 = not seen */
+} ground;
+
+static bool ground_seen(const tz_matte *m, const tz_matte_photo *p, int32_t x, int32_t y)
+{
+    const int32_t u = m->box.x + x, v = m->box.y + y, w = p->photo->width;
+    if (m->alpha[(int64_t)y * m->box.w + x] > 0.02F || u < 0 || v < 0 || u >= w ||
+        v >= p->photo->height)
+        return false;
+    for (int32_t j = v - 1; j <= v + 1; j++) /* others have soft borders too */
+        for (int32_t i = u - 1; i <= u + 1; i++)
+            if (i >= 0 && j >= 0 && i < w && j < p->photo->height &&
+                p->taken[(int64_t)j * w + i] &&
+                m->distance[(int64_t)y * m->box.w + x] < -2.5F)
+                return false;
+    return !p->taken[(int64_t)v * w + u];
+}
+
+/* How much darker the ground near (x, y) is than without things. Means before the ratio:
+ * the mean of clamped ratios would darken what is only noisy. */
+static float darker(const tz_matte *m, const ground *g, int32_t x, int32_t y)
+{
+    enum { R = 3 };
+    float photo = 0, plate = 0;
+    for (int32_t v = y - R; v <= y + R; v++)
+        for (int32_t u = x - R; u <= x + R; u++) {
+            if (u < 0 || v < 0 || u >= m->box.w || v >= m->box.h)
+                continue;
+            const int64_t at = (int64_t)v * m->box.w + u;
+            if (g->plate[at] < 0)
+                continue;
+            const float t = 1 - (float)((u - x) * (u - x) + (v - y) * (v - y)) / 13;
+            const float w = t > 0 ? t * t * t : 0;
+            photo += w * g->photo[at];
+            plate += w * g->plate[at];
+        }
+    if (!(plate > 1e-6F))
+        return 0;
+    const float ratio = (photo + 1e-4F) / (plate + 1e-4F);
+    return ratio >= 1 ? 0 : 1 - fmaxf(ratio, 0.15F);
+}
+
+static tz_status find_shade(tz_ctx *ctx, tz_matte *m, const tz_matte_photo *p,
+                            const tz_f4 *photo, float band)
+{
+    const int64_t n = (int64_t)m->box.w * m->box.h;
+    const int32_t colours = p->photo->channels - (p->photo->alpha >= 0);
+    ground g = {0};
+    tz_status s = tz_alloc_zero(ctx, &m->shade, (size_t)n, sizeof *m->shade);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &g.photo, 2 * (size_t)n, sizeof *g.photo);
+    if (s != TZ_OK)
+        return s;
+    g.plate = g.photo + n;
+    for (int32_t y = 0; y < m->box.h; y++)
+        for (int32_t x = 0; x < m->box.w; x++) {
+            const int64_t at = (int64_t)y * m->box.w + x;
+            g.plate[at] = -1;
+            if (m->distance[at] < -(band + 4) || !ground_seen(m, p, x, y))
+                continue;
+            g.photo[at] = luminance(photo[at], colours);
+            g.plate[at] = luminance(
+                tz_photo_linear(p->plate, m->box.x + x, m->box.y + y, false), colours);
+        }
+    for (int32_t y = 0; y < m->box.h; y++)
+        for (int32_t x = 0; x < m->box.w; x++) {
+            const int64_t at = (int64_t)y * m->box.w + x;
+            const float t = -m->distance[at] / band;
+            if (t >= 1 || m->alpha[at] >= 1)
+                continue;
+            const float u = t < 0 ? 0 : t, fade = (1 - u) * (1 - u) * (1 + 2 * u);
+            m->shade[at] = fade * darker(m, &g, x, y);
+        }
+    tz_free(ctx, g.photo);
+    return TZ_OK;
+}
+
+/* ---- all ----------------------------------------------------------------------------- */
+
+static tz_status find_area(tz_ctx *ctx, const tz_element_symbol *y, tz_matte *m)
+{
+    const tz_rect b = m->box;
+    tz_cover c;
+    tz_status s = tz_cover_init(ctx, &c, b.w, b.h);
+    if (s != TZ_OK)
+        return s;
+    cover_outline(y, b.x, b.y, &c);
+    for (int32_t j = 0; j < b.h; j++) {
+        int32_t from, to;
+        float *row = m->alpha + (int64_t)j * b.w;
+        if (tz_cover_take(&c, j, true, row, &from, &to))
+            for (int32_t i = 0; i < b.w; i++) /* what it has not written */
+                row[i] = i < from || i >= to ? 0 : row[i];
+    }
+    tz_cover_deinit(ctx, &c);
+    return TZ_OK;
+}
+
+tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_photo *p,
+                        const tz_element_render_params *params, tz_matte *m)
+{
+    const bool shadow = params->shadow > 0 && p->plate && p->taken;
+    const float band = (float)params->shadow, matte = (float)params->matte;
+    tz_f4 *photo = NULL;
+    *m = (tz_matte){.reach = fmaxf(matte + 4, shadow ? band + 5 : 0)};
+    m->box = outline_box(y, fmax(matte + 4, shadow ? band + 3 : 0), p->photo);
+    if (tz_rect_empty(m->box)) {
+        m->box = (tz_rect){0, 0, 0, 0};
+        return TZ_OK;
+    }
+    const size_t n = (size_t)m->box.w * (size_t)m->box.h;
+    tz_status s = tz_alloc_zero(ctx, &m->alpha, n, sizeof *m->alpha);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &m->distance, n, sizeof *m->distance);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &m->colour, 3 * n, sizeof *m->colour);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &photo, n, sizeof *photo);
+    if (s == TZ_OK)
+        s = find_area(ctx, y, m);
+    if (s != TZ_OK)
+        goto done;
+    find_distances(y, m);
+    for (int32_t v = 0; v < m->box.h; v++)
+        for (int32_t u = 0; u < m->box.w; u++) {
+            const int64_t at = (int64_t)v * m->box.w + u;
+            const int32_t px = m->box.x + u, py = m->box.y + v;
+            photo[at] = tz_photo_linear(p->photo, px, py, false);
+            photo[at][3] = opacity(p->photo, px, py);
+            for (int k = 0; k < 3; k++)
+                m->colour[3 * at + k] = photo[at][k];
+        }
+    const border b = {m, photo, matte};
+    for (int32_t v = 0; v < m->box.h && matte > 0; v++)
+        for (int32_t u = 0; u < m->box.w; u++) {
+            const int64_t at = (int64_t)v * m->box.w + u;
+            if (fabsf(m->distance[at]) <= matte && photo[at][3] > 0)
+                refine(&b, u, v, &m->alpha[at], &m->colour[3 * at]);
+        }
+    if (shadow)
+        s = find_shade(ctx, m, p, photo, band);
+    for (size_t i = 0; i < n; i++)
+        m->alpha[i] *= photo[i][3];
+done:
+    tz_free(ctx, photo);
+    if (s != TZ_OK)
+        tz_matte_deinit(ctx, m);
+    return s;
+}
+
+void tz_matte_deinit(tz_ctx *ctx, tz_matte *m)
+{
+    tz_free(ctx, m->alpha);
+    tz_free(ctx, m->distance);
+    tz_free(ctx, m->shade);
+    tz_free(ctx, m->colour);
+    *m = (tz_matte){0};
+}
