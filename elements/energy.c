@@ -211,9 +211,17 @@ static void read_positions(tz_energy_state *t)
         t->at[o] = t->set->sample.v[t->sample[o]].at;
 }
 
-static tz_status iterate(tz_energy_state *t, int32_t iterations, double *energy)
+/* Not before things have settled a little, and early enough for what comes to settle. */
+static bool may_change(const tz_energy_params *p, int32_t i)
 {
+    return p->existence && i > 0 && 2 * i <= p->iterations;
+}
+
+static tz_status iterate(tz_energy_state *t, const tz_energy_params *p, double *energy)
+{
+    const int32_t iterations = p->iterations;
     double e = 0;
+    bool changed = false;
     tz_status s = tz_energy_search(t, 0, &e);
     if (energy)
         energy[0] = e;
@@ -221,6 +229,11 @@ static tz_status iterate(tz_energy_state *t, int32_t iterations, double *energy)
         s = tz_ctx_cancelled(t->ctx) ? TZ_CANCELLED : tz_energy_assign(t);
         if (s == TZ_OK)
             s = tz_energy_search(t, i + 1, &e);
+        if (s == TZ_OK && may_change(p, i)) {
+            s = tz_energy_existence(t, i + 1, &changed);
+            if (s == TZ_OK && changed)
+                s = tz_energy_search(t, i + 1, &e);
+        }
         if (s != TZ_OK)
             break;
         if (energy)
@@ -256,11 +269,13 @@ tz_status tz_energy_solve(tz_ctx *ctx, const tz_element_set *exemplar,
     if (s == TZ_OK && params->start != TZ_ENERGY_GIVEN)
         s = tz_energy_fill(ctx, exemplar, params,
                            params->patch > 0 ? params->patch : 2 * x.radius, output);
+    if (s == TZ_OK && params->start == TZ_ENERGY_GIVEN && output->domain.zones)
+        s = tz_energy_constrain(output, exemplar, params->seed);
     if (s == TZ_OK && output->element.n > 0) {
         s = tz_energy_state_init(ctx, &t, &x, output, params);
         t.hook = hook;
         if (s == TZ_OK)
-            s = iterate(&t, params->iterations, energy);
+            s = iterate(&t, params, energy);
     }
     tz_progress_end(ctx);
     tz_energy_state_deinit(&t);

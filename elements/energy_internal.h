@@ -115,6 +115,15 @@ tz_vec2 tz_energy_back(const tz_domain *d, tz_vec3 at);
 
 /** Finds neighbours, matches and pairs (energy_search.c). @param[out] energy  Eq. (2) */
 tz_status tz_energy_search(tz_energy_state *t, int32_t round, double *energy);
+/** Adds and removes elements as the present matches want it (energy_existence.c); matches
+ * of those that stay are kept, a search must follow. */
+tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed);
+/** Takes elements out of a set. @param carry  NULL, or a number for each sample, which go
+ * along with them */
+tz_status tz_energy_drop(tz_element_set *s, const uint8_t *drop, int32_t *carry);
+/** Elements that the zones forbid where they lie are replaced. */
+tz_status tz_energy_constrain(tz_element_set *s, const tz_element_set *from,
+                              uint64_t seed);
 /** Gathers for each sample the edges that lead to it. */
 tz_status tz_energy_votes(tz_energy_state *t);
 /** Moves samples and elements, takes over attributes (energy_assign.c). */

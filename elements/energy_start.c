@@ -51,29 +51,14 @@ typedef struct filler {
 /* Only fixed elements and their samples stay. */
 static tz_status keep_fixed(tz_element_set *s)
 {
-    tz_sample *old = s->sample.v;
-    const int32_t n = s->sample.n, cap = s->sample.cap;
-    int32_t elements = 0;
-    s->sample.v = NULL;
-    s->sample.n = s->sample.cap = 0;
-    tz_status st = tz_array_reserve(s->ctx, &s->sample, n);
-    if (st != TZ_OK) {
-        s->sample.v = old, s->sample.n = n, s->sample.cap = cap;
-        return st;
-    }
-    for (int32_t i = 0; i < s->element.n; i++) {
-        tz_element e = s->element.v[i];
-        if (!e.fixed)
-            continue;
-        for (int32_t k = 0; k < e.samples; k++)
-            s->sample.v[s->sample.n + k] = old[e.sample + k];
-        e.sample = s->sample.n;
-        s->sample.n += e.samples;
-        s->element.v[elements++] = e;
-    }
-    s->element.n = elements;
-    tz_free(s->ctx, old);
-    return TZ_OK;
+    uint8_t *drop = NULL;
+    tz_status st = tz_alloc(s->ctx, &drop, (size_t)s->element.n, 1);
+    for (int32_t i = 0; i < s->element.n && st == TZ_OK; i++)
+        drop[i] = !s->element.v[i].fixed;
+    if (st == TZ_OK)
+        st = tz_energy_drop(s, drop, NULL);
+    tz_free(s->ctx, drop);
+    return st;
 }
 
 static bool taken(const filler *f, tz_vec3 at)
