@@ -158,13 +158,13 @@ static const char head[] =
     "\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" "
     "xmlns:sodipodi=\"http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd\"";
 
-static tz_status wrap(tz_ctx *ctx, const char *markup, double reach, char **out)
+static tz_status wrap(tz_ctx *ctx, const char *markup, char **out)
 {
-    const size_t room = sizeof head + strlen(markup) + 256;
+    const size_t room = sizeof head + strlen(markup) + 64;
     tz_status s = tz_alloc(ctx, out, room, 1);
     if (s == TZ_OK)
-        snprintf(*out, room, "%s viewBox=\"%.17g %.17g %.17g %.17g\">%s</svg>", head,
-                 -reach, -reach, 2 * reach, 2 * reach, markup);
+        snprintf(*out, room, "%s><g id=\"" TZ_VECTOR_GROUP "\">%s</g></svg>", head,
+                 markup);
     return s;
 }
 
@@ -177,36 +177,29 @@ static tz_status fault(tz_ctx *ctx, const tz_drawing *d, int code, const char *w
 }
 
 /* Opens the document once to see that it can be, and how far it reaches. */
-static tz_status measure(tz_ctx *ctx, tz_drawing *d, const char *markup)
+static tz_status measure(tz_ctx *ctx, tz_drawing *d, const char *markup, double radius)
 {
     const tz_vector_api *api;
+    void *doc = NULL;
     char why[256] = "";
+    double b[4];
     tz_status s = tz_module_symbol(ctx, "vector", TZ_VECTOR_SYMBOL, (void *)&api);
-    /* a second time where it reaches beyond its view, which clips groups */
-    for (int round = 0; round < 2 && s == TZ_OK; round++) {
-        void *doc = NULL;
-        double b[4];
-        s = wrap(ctx, markup, d->reach, &d->document);
-        if (s != TZ_OK)
-            break;
-        int code =
-            api->open(d->document, strlen(d->document), d->reach, &doc, why, sizeof why);
-        if (code == 0)
-            code = api->extents(doc, b, why, sizeof why);
-        api->close(doc);
-        if (code != 0)
-            return fault(ctx, d, code, why);
-        d->box = (tz_bounds){b[0], b[1], b[2], b[3]};
-        const double far = fmax(fmax(-b[0], -b[1]), fmax(b[2], b[3]));
-        if (b[0] > b[2] || far <= d->reach || !(far < 1e12))
-            break;
-        if (round == 0) {
-            d->reach = far;
-            tz_free(ctx, d->document);
-            d->document = NULL;
-        }
+    if (s == TZ_OK)
+        s = wrap(ctx, markup, &d->document);
+    if (s != TZ_OK)
+        return s;
+    int code = api->open(d->document, strlen(d->document), &doc, why, sizeof why);
+    if (code == 0)
+        code = api->extents(doc, radius, b, why, sizeof why);
+    api->close(doc);
+    if (code != 0)
+        return fault(ctx, d, code, why);
+    d->box = (tz_bounds){b[0], b[1], b[2], b[3]};
+    if (strstr(markup, "filter") && b[0] <= b[2]) { /* paints beyond its shapes */
+        const double more = fmax(b[2] - b[0], b[3] - b[1]);
+        d->box = (tz_bounds){b[0] - more, b[1] - more, b[2] + more, b[3] + more};
     }
-    return s;
+    return TZ_OK;
 }
 
 tz_status tz_drawing_init(tz_ctx *ctx, tz_drawing *d, const char *name,
@@ -215,16 +208,16 @@ tz_status tz_drawing_init(tz_ctx *ctx, tz_drawing *d, const char *name,
     tz_svg_doc *doc = NULL;
     char *text = NULL;
     bool plain = true;
-    *d = (tz_drawing){.reach = radius, .name = name};
+    *d = (tz_drawing){.name = name};
     tz_status s = TZ_OK;
     if (*markup) {
-        s = wrap(ctx, markup, radius, &text);
+        s = wrap(ctx, markup, &text);
         if (s == TZ_OK)
             s = tz_svg_parse(ctx, name, text, strlen(text), &doc);
         if (s == TZ_OK)
-            s = read_parts(ctx, d, tz_svg_root(doc), &plain);
+            s = read_parts(ctx, d, tz_svg_child(tz_svg_root(doc)), &plain);
         if (s == TZ_OK && !plain)
-            s = measure(ctx, d, markup);
+            s = measure(ctx, d, markup, radius);
     } else { /* as documents show it */
         tz_flat_part p = {.radius = radius};
         p.fill[0] = p.fill[1] = p.fill[2] = tz_srgb_decode(128.0F / 255);
@@ -428,8 +421,8 @@ static tz_status open_document(tz_ctx *ctx, const tz_drawing *d, int32_t number,
                : tz_module_symbol(ctx, "vector", TZ_VECTOR_SYMBOL, (void *)&w->api);
     if (s != TZ_OK)
         return s;
-    const int code = w->api->open(d->document, strlen(d->document), d->reach,
-                                  &w->document[number], why, sizeof why);
+    const int code = w->api->open(d->document, strlen(d->document), &w->document[number],
+                                  why, sizeof why);
     return code == 0 ? TZ_OK : fault(ctx, d, code, why);
 }
 

@@ -71,7 +71,6 @@ typedef struct tz_drawing {
     TZ_ARRAY(tz_flat_part)
     part;
     char *document;   /**< not NULL: librsvg draws this */
-    double reach;     /**< half the side of its view */
     const char *name; /**< of the symbol, for messages */
     tz_bounds box;    /**< of all that it paints, symbol's units */
 } tz_drawing;
