@@ -79,35 +79,6 @@ tz_status tz_energy_drop(tz_element_set *s, const uint8_t *drop, int32_t *carry)
     return TZ_OK;
 }
 
-tz_status tz_energy_constrain(tz_element_set *s, const tz_element_set *from,
-                              uint64_t seed)
-{
-    uint8_t *drop = NULL;
-    const int32_t n = s->element.n;
-    tz_status st = tz_alloc_zero(s->ctx, &drop, (size_t)n, 1);
-    for (int32_t i = 0; i < n && st == TZ_OK; i++) {
-        const tz_element e = s->element.v[i];
-        if (e.fixed || tz_domain_allows(&s->domain, e.at, e.kind))
-            continue;
-        tz_rng r = tz_rng_make(seed, tz_rng_stream(STREAM, (uint64_t)i, UINT64_MAX));
-        const int32_t any = tz_rng_below(&r, from->element.n);
-        const int32_t k = tz_energy_choose(from, &s->domain, any, e.at, &r);
-        drop[i] = 1;
-        if (k >= 0)
-            st = tz_element_set_place(s, from, k, e.at, tz_domain_frame(&s->domain, e.at),
-                                      1);
-    }
-    if (st == TZ_OK) { /* what has come lies behind, and stays */
-        st = tz_realloc(s->ctx, &drop, (size_t)s->element.n, 1);
-        if (st == TZ_OK)
-            memset(drop + n, 0, (size_t)(s->element.n - n));
-    }
-    if (st == TZ_OK)
-        st = tz_energy_drop(s, drop, NULL);
-    tz_free(s->ctx, drop);
-    return st;
-}
-
 /* ---- what the exemplar is like --------------------------------------------------- */
 
 static int by_value(const void *a, const void *b)
@@ -413,6 +384,8 @@ tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed)
                 .round = round,
                 .expected = from->element.n / tz_domain_area(&from->domain) *
                             tz_domain_area(&t->set->domain)};
+    if (t->set->domain.zones) /* which have densities of their own: stay near them */
+        c.expected = n;
     tz_ctx *ctx = t->ctx;
     *changed = false;
     tz_status s = find_crowd(&c);

@@ -57,10 +57,22 @@ double tz_energy_spacing(const tz_element_set *set);
 tz_status tz_energy_fill(tz_ctx *ctx, const tz_element_set *exemplar,
                          const tz_energy_params *p, double patch, tz_element_set *output);
 
+/* ---- zones (energy_zones.c) ------------------------------------------------------ */
+
 /** Element i of the exemplar if it is whole and may lie at a place; else one of its kind,
  * or, where that may not lie there, of one that may; -1 if there is none. */
 int32_t tz_energy_choose(const tz_element_set *from, const tz_domain *d, int32_t i,
                          tz_vec3 at, tz_rng *r);
+typedef struct tz_energy_forbidden {
+    tz_vec3 at;
+    int32_t source; /**< element of the exemplar that may not lie there */
+} tz_energy_forbidden;
+/** Puts others in the place of forbidden ones, where there is room for them. */
+tz_status tz_energy_substitute(tz_element_set *to, const tz_element_set *from,
+                               const tz_energy_forbidden *list, int32_t n, uint64_t seed);
+/** The same for elements that lie where zones forbid it. */
+tz_status tz_energy_constrain(tz_element_set *s, const tz_element_set *from,
+                              uint64_t seed);
 
 /* ---- state ----------------------------------------------------------------------- */
 
@@ -121,9 +133,6 @@ tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed);
 /** Takes elements out of a set. @param carry  NULL, or a number for each sample, which go
  * along with them */
 tz_status tz_energy_drop(tz_element_set *s, const uint8_t *drop, int32_t *carry);
-/** Elements that the zones forbid where they lie are replaced. */
-tz_status tz_energy_constrain(tz_element_set *s, const tz_element_set *from,
-                              uint64_t seed);
 /** Gathers for each sample the edges that lead to it. */
 tz_status tz_energy_votes(tz_energy_state *t);
 /** Moves samples and elements, takes over attributes (energy_assign.c). */

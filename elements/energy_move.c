@@ -68,9 +68,13 @@ static tz_vec3 allowed(const tz_energy_state *t, const tz_element *e, tz_vec3 fr
         best.x = from.x + share * (to.x - from.x);
         best.y = from.y + share * (to.y - from.y);
     }
-    if (d->region) {
+    for (int k = 0; k < 4 && d->region; k++) { /* a little inside, to be sure */
         const tz_vec2 back = tz_energy_back(d, best);
-        best.x += back.x, best.y += back.y;
+        const double l = tz_vec2_length(back);
+        if (!(l > 0))
+            break;
+        const double more = 1 + 1e-3 * t->x->spacing / l;
+        best.x += more * back.x, best.y += more * back.y;
     }
     return best;
 }

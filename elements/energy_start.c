@@ -45,6 +45,8 @@ typedef struct filler {
     tz_vec2 side; /* of a cell of the domain */
     int32_t nx, ny;
     int32_t *begin, *end; /* elements of each cell; equal = none yet */
+    TZ_ARRAY(tz_energy_forbidden)
+    forbidden;       /* by zones */
     double expected; /* elements of the cells that are done, as the exemplar has them */
 } filler;
 
@@ -68,26 +70,17 @@ static bool taken(const filler *f, tz_vec3 at)
            tz_cells_near(&f->fixed, f->fixed_at, at, f->apart, -1, &one, 1) > 0;
 }
 
-int32_t tz_energy_choose(const tz_element_set *from, const tz_domain *d, int32_t i,
-                         tz_vec3 at, tz_rng *r)
-{
-    const tz_element *e = from->element.v;
-    const bool kept = tz_domain_allows(d, at, e[i].kind);
-    int32_t n = 0, chosen = -1;
-    if (kept && !e[i].cut)
-        return i;
-    for (int32_t k = 0; k < from->element.n; k++)
-        if ((kept ? e[k].kind == e[i].kind : tz_domain_allows(d, at, e[k].kind)) &&
-            !e[k].cut && tz_rng_below(r, ++n) == 0)
-            chosen = k;
-    return chosen;
-}
-
 /* Kept when its first sample comes to lie inside and on no fixed element. */
 static tz_status place(filler *f, int32_t source, tz_vec3 at, tz_rng *r)
 {
     const tz_domain *d = &f->to->domain;
-    source = tz_energy_choose(f->from, d, source, tz_domain_wrap(d, at), r);
+    const tz_vec3 in = tz_domain_wrap(d, at);
+    if (!tz_domain_allows(d, in, f->from->element.v[source].kind))
+        return tz_domain_contains(d, in) && !taken(f, in)
+                   ? tz_array_push(f->ctx, &f->forbidden,
+                                   ((tz_energy_forbidden){in, source}))
+                   : TZ_OK;
+    source = tz_energy_choose(f->from, d, source, in, r);
     if (source < 0)
         return TZ_OK;
     const tz_element *e = &f->from->element.v[source];
@@ -429,6 +422,9 @@ tz_status tz_energy_fill(tz_ctx *ctx, const tz_element_set *exemplar,
     }
     if (s == TZ_OK)
         s = p->start == TZ_ENERGY_NOISE ? fill_noise(&f, p) : fill_patches(&f, p, patch);
+    if (s == TZ_OK)
+        s = tz_energy_substitute(output, exemplar, f.forbidden.v, f.forbidden.n, p->seed);
+    tz_array_free(ctx, &f.forbidden);
     tz_cells_free(ctx, &f.fixed);
     tz_cells_free(ctx, &f.source);
     tz_free(ctx, f.fixed_at);
