@@ -193,7 +193,7 @@ static void match_given(tz_growth *g, int32_t i)
         return;
     tz_growth_look(g, q->x, q->y, ex->reach, i, &view);
     for (int32_t k = 0; k < ex->n; k += step) {
-        const float cost = tz_growth_match(ex, k, view.v, view.n, &used, NULL) +
+        const float cost = tz_growth_match(ex, k, view.v, view.n, INFINITY, &used, NULL) +
                            (ex->unit[k].whole ? 0 : 0.1F) +
                            fabsf(ex->unit[k].r - q->r) / (ex->unit[k].r + q->r);
         if (ex->unit[k].kind == q->kind && cost < least)
@@ -245,6 +245,10 @@ static tz_status prepare(tz_growth *g, const tz_element_set *set,
         s = add_given(g, i);
     for (int32_t i = 0; i < g->spot.n && s == TZ_OK; i++)
         match_given(g, i);
+    if (closed) { /* what is given stays as it is until a tool touches it */
+        g->phase = DONE;
+        g->polished = g->spot.n;
+    }
     return s;
 }
 
@@ -268,6 +272,7 @@ tz_status tz_growth_open(tz_ctx *ctx, const tz_element_set *palette,
     g->params = *params;
     g->out = output;
     g->textures = n;
+    g->box_hi = (tz_vec2){size.x, size.y};
     s = prepare(g, palette, texture, closed);
     if (s != TZ_OK)
         tz_growth_end(g);
@@ -320,7 +325,6 @@ void tz_growth_end(tz_growth *g)
         tz_growth_exemplar_deinit(g->ctx, &g->ex[t]);
     tz_growth_cover_deinit(g);
     tz_free(g->ctx, g->ex);
-    tz_free(g->ctx, g->wait);
     tz_array_free(g->ctx, &g->spot);
     tz_free(g->ctx, g->head);
     tz_free(g->ctx, g->queue);
@@ -405,7 +409,7 @@ static tz_status start_at(tz_growth *g, int32_t texture, double x, double y, boo
         uint64_t used;
         if (unit < 0 || (!forced && !tz_growth_fits_elements(ex, &ex->unit[unit], &view)))
             continue;
-        const float cost = (0.1F + tz_growth_cost(ex, unit, &view, &used)) *
+        const float cost = (0.1F + tz_growth_cost(ex, unit, &view, INFINITY, &used)) *
                            (1 + tz_growth_surplus(g, texture, ex->unit[unit].class));
         if (cost < least)
             least = cost, best = unit;
@@ -415,7 +419,7 @@ static tz_status start_at(tz_growth *g, int32_t texture, double x, double y, boo
 }
 
 /* Radius of the disc about a place that touches no element; up to `most`. */
-static double gap_at(const tz_growth *g, double x, double y, double most)
+double tz_growth_gap(const tz_growth *g, double x, double y, double most)
 {
     tz_growth_view view;
     tz_growth_look(g, x, y, most, -1, &view);
@@ -462,7 +466,7 @@ static tz_status start(tz_growth *g)
                 x = 0.5 * size.x, y = 0.5 * size.y;
             g->started = 0;
         }
-        const double gap = gap_at(g, x, y, hole);
+        const double gap = tz_growth_gap(g, x, y, hole);
         if (first || gap >= hole || tz_growth_error(g, t) < 0)
             s = start_at(g, t, x, y, first, &started);
         if (!started && s == TZ_OK)
@@ -475,7 +479,7 @@ static tz_status start(tz_growth *g)
 /* Holes wider than the exemplar's widest, wherever they are. */
 static tz_status close_holes(tz_growth *g)
 {
-    const tz_vec3 size = g->out->domain.size;
+    const tz_vec2 size = tz_vec2_sub(g->box_hi, g->box_lo);
     const double step = start_step * g->spacing;
     const int32_t nx = (int32_t)fmin(16384, fmax(1, ceil(size.x / step)));
     const int32_t ny = (int32_t)fmin(16384, fmax(1, ceil(size.y / step)));
@@ -483,18 +487,54 @@ static tz_status close_holes(tz_growth *g)
     tz_status s = TZ_OK;
     while (s == TZ_OK && !started && g->closed < nx * ny) {
         const int32_t i = g->closed++;
-        const double x = (i % nx + 0.5) * size.x / nx;
-        const double y = ((double)(i / nx) + 0.5) * size.y / ny;
+        const double x = g->box_lo.x + (i % nx + 0.5) * size.x / nx;
+        const double y = g->box_lo.y + ((double)(i / nx) + 0.5) * size.y / ny;
         const int32_t t = texture_at(g, x, y);
         if (t < 0)
             continue;
         const double hole = start_gap * g->ex[t].hole;
         if (tz_domain_depth(&g->out->domain, (tz_vec3){x, y, 0}) >= hole &&
-            gap_at(g, x, y, hole) >= hole)
+            tz_growth_gap(g, x, y, hole) >= hole)
             s = start_at(g, t, x, y, false, &started);
     }
     g->phase = started ? GROW : POLISH;
     return s;
+}
+
+tz_status tz_growth_seed(tz_growth *g, int32_t texture, double x, double y, double gap)
+{
+    bool started;
+    tz_growth_view view;
+    tz_growth_look(g, x, y, gap, -1, &view);
+    for (int32_t i = 0; i < view.n; i++)
+        if (view.v[i].texture == texture)
+            return TZ_OK;
+    g->rounds = 0;
+    return start_at(g, texture, x, y, false, &started);
+}
+
+void tz_growth_resume(tz_growth *g, tz_vec2 at, double radius)
+{
+    const tz_vec3 size = g->out->domain.size;
+    tz_vec2 lo = {at.x - radius, at.y - radius}, hi = {at.x + radius, at.y + radius};
+    if (g->phase != DONE) { /* what was to be done is still */
+        lo = (tz_vec2){fmin(lo.x, g->box_lo.x), fmin(lo.y, g->box_lo.y)};
+        hi = (tz_vec2){fmax(hi.x, g->box_hi.x), fmax(hi.y, g->box_hi.y)};
+    }
+    const bool over = lo.x < 0 || lo.y < 0 || hi.x > size.x || hi.y > size.y;
+    if (g->out->domain.torus && over)
+        lo = (tz_vec2){0, 0}, hi = (tz_vec2){size.x, size.y};
+    g->box_lo = (tz_vec2){fmax(0, lo.x), fmax(0, lo.y)};
+    g->box_hi = (tz_vec2){fmin(size.x, hi.x), fmin(size.y, hi.y)};
+    g->phase = GROW;
+    g->started = 0;
+    g->closed = g->filled = 0;
+}
+
+void tz_growth_rest(tz_growth *g)
+{
+    g->phase = DONE;
+    g->rounds = 0;
 }
 
 static tz_status optimise(tz_growth *g)

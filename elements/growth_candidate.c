@@ -18,8 +18,9 @@ enum { VISITS = 6, PUSHES = 6 }; /* of a seed; of a place */
 
 /* Costs below `noise` are as good as none; below `well` balance does not interfere. */
 static const float noise = 0.01F, well = 0.1F;
-/* A seed about which less than this share of its ring is open is done. */
-static const float crumbs = 0.02F;
+/* A seed about which less than this share of its ring is open is done: at first, and when
+ * it has been visited. */
+static const float crumbs = 0.02F, pieces = 0.1F;
 /* Errors of density from which on it is mended, and which none may add to. */
 static const float sparse = -0.01F, dense = 0.01F, crowded = 0.04F;
 /* Neighbours that a place must lack for each share that density or class is over. */
@@ -263,12 +264,16 @@ static bool choose(const tz_growth *g, const tz_growth_spot *q,
     int32_t unit[TZ_GROWTH_COHERENT + 1], n = 0;
     float cost[TZ_GROWTH_COHERENT + 1], least = INFINITY, score = INFINITY;
     uint64_t used[TZ_GROWTH_COHERENT + 1];
-    unit[n++] = q->match;
+    const bool again = q->visits > 1 && !loose; /* who knows no more is not asked again */
+    if (!again || m->known)
+        unit[n++] = q->match;
     for (int32_t k = 0; k < m->coherents; k++)
-        unit[n++] = m->coherent[k];
+        if (!again || ex->unit[m->coherent[k]].known)
+            unit[n++] = m->coherent[k];
     for (int32_t k = 0; k < n; k++) {
-        cost[k] = noise + tz_growth_cost(ex, unit[k], view, &used[k]);
-        if (k == 0)
+        cost[k] = noise + tz_growth_cost(ex, unit[k], view,
+                                         least * (float)g->params.ratio, &used[k]);
+        if (unit[k] == q->match)
             cost[k] += weariness(ex, q);
         least = fminf(least, cost[k]);
     }
@@ -391,7 +396,7 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown
     choice c = {0};
     *grown = 0;
     q->visits++;
-    if (tz_growth_undecided(g, q) <= crumbs)
+    if (tz_growth_undecided(g, q) <= (q->visits > 1 ? pieces : crumbs))
         return TZ_OK;
     tz_growth_look(g, q->x, q->y, g->ex[q->texture].unit[q->match].sight, seed, &view);
     if (!choose(g, q, &view, loose, &c)) {

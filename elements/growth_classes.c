@@ -114,7 +114,8 @@ static void note_all(const tz_growth_exemplar *ex, lows *pair, lows *every)
             if (!met[hard]) {
                 const float share = hypotf(o->x, o->y) / (e->r + o->r);
                 note(&pair[e->hard * ex->hards + hard], share);
-                note(every, share);
+                if (e->source >= 0 && ex->unit[o->unit].source >= 0)
+                    note(every, share); /* voids are no measure of elements */
             }
             met[hard] = true;
         }
@@ -159,12 +160,19 @@ static void set_limits(tz_growth_exemplar *ex, const lows *pair, const lows *eve
 /* How far from each unit things stand that may collide with what grows around it. */
 static void set_sight(tz_growth_exemplar *ex)
 {
-    float largest[TZ_GROWTH_CLASSES] = {0};
+    float largest[TZ_GROWTH_CLASSES] = {0}, least = INFINITY;
+    for (int32_t k = 0; k < ex->n; k++)
+        least = fminf(least, ex->unit[k].r);
     for (int32_t k = 0; k < ex->n; k++)
         largest[ex->unit[k].hard] = fmaxf(largest[ex->unit[k].hard], ex->unit[k].r);
     for (int32_t k = 0; k < ex->n; k++) {
         tz_growth_unit *e = &ex->unit[k];
-        e->sight = e->reach;
+        e->sight = e->view = e->reach - least;
+        e->clear = (float)ex->overlap * e->r;
+        for (int32_t h = 0; h < ex->hards; h++)
+            e->clear =
+                fmaxf(e->clear, ex->limit[e->hard * ex->hards + h] * (e->r + largest[h]) -
+                                    largest[h]);
         for (int32_t j = 0; j < (e->larger ? e->nears : e->ring); j++) {
             const tz_growth_near *o = &ex->near.v[e->near + j];
             const float d = hypotf(o->x, o->y);

@@ -58,8 +58,9 @@ static float unlikeness(const tz_growth_exemplar *ex, int32_t a, const tz_growth
     const float size = (ex->unit[a].r - ex->unit[b].r) / (ex->unit[a].r + ex->unit[b].r);
     const float axes =
         hypotf(ex->unit[a].c2 - ex->unit[b].c2, ex->unit[a].s2 - ex->unit[b].s2);
-    return tz_growth_match(ex, b, va, na, &used, NULL) +
-           tz_growth_match(ex, a, vb, nb, &used, NULL) + size * size + 0.25F * axes +
+    return tz_growth_match(ex, b, va, na, INFINITY, &used, NULL) +
+           tz_growth_match(ex, a, vb, nb, INFINITY, &used, NULL) + size * size +
+           0.25F * axes +
            (ex->symbols && ex->unit[a].symbol != ex->unit[b].symbol ? cost_other : 0) +
            (ex->unit[b].whole ? 0 : cost_cut);
 }

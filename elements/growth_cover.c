@@ -202,10 +202,22 @@ void tz_growth_forget_place(tz_growth *g, int32_t texture, double x, double y, d
     g->cover.due[texture] = fmax(0, g->cover.due[texture] - due_in(g, texture, x, y, n));
 }
 
-void tz_growth_open_place(tz_growth *g, double x, double y, double r, bool open)
+void tz_growth_open_place(tz_growth *g, int32_t texture, double x, double y, double r,
+                          bool open)
 {
     const disc d = {.x = x, .y = y, .r = r};
-    walk(g, &d, open ? OPEN : CLOSE, g->cover.inside);
+    tz_growth_cover *c = &g->cover;
+    walk(g, &d, open ? OPEN : CLOSE, c->inside);
+    if (!open || !c->led)
+        return;
+    uint64_t *const real = c->open; /* what is painted last is who grows there */
+    const int64_t opened = c->opened, covered = c->covered;
+    for (int32_t t = 0; t < g->textures; t++) {
+        c->open = c->zone + c->cells * (size_t)t;
+        walk(g, &d, t == texture ? OPEN : CLOSE, c->inside);
+    }
+    c->open = real;
+    c->opened = opened, c->covered = covered;
 }
 
 static size_t bit_at(const tz_growth_cover *c, const tz_domain *d, double x, double y)
@@ -306,7 +318,8 @@ static tz_status set_open(tz_growth *g, bool closed)
     tz_growth_cover *c = &g->cover;
     const tz_domain *d = &g->out->domain;
     tz_status s = TZ_OK;
-    if (d->zones)
+    c->led = closed && g->textures > 1;
+    if (d->zones || c->led)
         s = tz_alloc_zero(g->ctx, &c->zone, c->cells * (size_t)g->textures,
                           sizeof *c->zone);
     for (int64_t k = 0; s == TZ_OK && k < (int64_t)c->nx * c->ny; k++) {
@@ -320,7 +333,7 @@ static tz_status set_open(tz_growth *g, bool closed)
         for (int32_t t = 0; d->zones && t < g->textures; t++) {
             const int32_t z = d->zones->zone[tz_raster_at(&d->zones->raster, p)];
             if (c->share[t * ZONES + z] > 0) {
-                c->zone[c->cells * (size_t)t + at] |= one;
+                c->zone[c->cells * (size_t)t + at] |= c->led ? 0 : one;
                 any = true;
             }
         }

@@ -16,7 +16,7 @@
 #include "base/kdtree.h"
 #include "elements/growth_internal.h"
 
-enum { NEIGHBOURS = 8, FIRST = 6, NEAREST = 96, TURNS = 8, FEW = 5 };
+enum { NEIGHBOURS = 8, FIRST = 6, NEAREST = 96, TURNS = 8 };
 static const double void_gap = 0.85, void_radius = 0.4, ring = 1.5, beyond_rings = 0.3,
                     narrowest = 0.3;
 
@@ -99,85 +99,7 @@ static int32_t nearest(const cloud *c, double x, double y, int32_t k, int32_t *i
     return tz_kdtree_nearest(&c->tree, q, k, id, d2);
 }
 
-/* ---- units ----------------------------------------------------------------------- */
-
-/* Whether an element of the palette belongs to the texture. */
-static bool is_selected(const tz_growth_texture *t, const tz_element *e)
-{
-    const bool framed = t->to.x > t->from.x && t->to.y > t->from.y;
-    if (framed && (e->at.x < t->from.x || e->at.y < t->from.y || e->at.x >= t->to.x ||
-                   e->at.y >= t->to.y))
-        return false;
-    return t->kinds == 0 || e->kind >= 64 || (t->kinds >> e->kind & 1);
-}
-
-static void add_unit(tz_growth_exemplar *ex, int32_t k)
-{
-    const tz_element *e = &ex->set->element.v[k];
-    const bool oriented = ex->set->kind.v[e->kind].oriented;
-    const double scale = ex->texture.scale;
-    const tz_vec3 wrapped = tz_domain_wrap(&ex->set->domain, e->at);
-    const tz_vec2 at = {scale * (wrapped.x - ex->origin.x),
-                        scale * (wrapped.y - ex->origin.y)};
-    const tz_growth_radius *given =
-        ex->texture.radius ? &ex->texture.radius[e->kind] : NULL;
-    const double r = given && given->bounding > 0 ? given->bounding : e->radius;
-    ex->unit[ex->n++] = (tz_growth_unit){.x = at.x,
-                                         .y = at.y,
-                                         .r = (float)(scale * r),
-                                         .c2 = oriented ? (float)cos(2 * e->angle) : 0,
-                                         .s2 = oriented ? (float)sin(2 * e->angle) : 0,
-                                         .kind = e->kind,
-                                         .symbol = e->symbol,
-                                         .source = k,
-                                         .bent = e->samples > 1,
-                                         .copied = !e->cut};
-    ex->radius = fmax(ex->radius, scale * r);
-    ex->lo = (tz_vec2){fmin(ex->lo.x, at.x), fmin(ex->lo.y, at.y)};
-    ex->hi = (tz_vec2){fmax(ex->hi.x, at.x), fmax(ex->hi.y, at.y)};
-}
-
-/* Symbols are worth telling apart where each stands for several elements. */
-static bool are_symbols_used(const tz_growth_exemplar *ex)
-{
-    int32_t used = 0;
-    for (int32_t k = 0; k < ex->n; k++) {
-        bool first = true;
-        for (int32_t j = k > 512 ? k - 512 : 0; j < k && first; j++)
-            first = ex->unit[j].symbol != ex->unit[k].symbol;
-        used += first;
-    }
-    return used > 1 && 2 * used <= ex->n;
-}
-
-static void set_units(tz_growth_exemplar *ex)
-{
-    const tz_element_set *set = ex->set;
-    const tz_growth_texture *t = &ex->texture;
-    const bool framed = t->to.x > t->from.x && t->to.y > t->from.y;
-    ex->lo = (tz_vec2){INFINITY, INFINITY};
-    ex->hi = (tz_vec2){-INFINITY, -INFINITY};
-    ex->size = (tz_vec2){set->domain.size.x, set->domain.size.y};
-    if (framed) {
-        ex->origin = t->from;
-        ex->size = tz_vec2_sub(t->to, t->from);
-    }
-    ex->size = tz_vec2_scale(ex->size, t->scale);
-    for (int32_t k = 0; k < set->element.n; k++)
-        if (is_selected(t, &set->element.v[k]))
-            add_unit(ex, k);
-    ex->elements = ex->n;
-    ex->symbols = are_symbols_used(ex);
-    /* too few to show how they go on, or all in a row: their frame repeats */
-    ex->torus = (set->domain.torus && !framed) || ex->n < FEW ||
-                ex->hi.x - ex->lo.x < 1e-3 * ex->size.x ||
-                ex->hi.y - ex->lo.y < 1e-3 * ex->size.y;
-    bool any = false;
-    for (int32_t k = 0; k < ex->n; k++)
-        any = any || ex->unit[k].copied;
-    for (int32_t k = 0; k < ex->n && !any; k++)
-        ex->unit[k].copied = true; /* all are cut: better those than none */
-}
+/* ---- spacing --------------------------------------------------------------------- */
 
 static int by_value(const void *a, const void *b)
 {
@@ -437,28 +359,6 @@ static tz_status draw_map(tz_ctx *ctx, void *arg, int64_t k, int worker)
     return TZ_OK;
 }
 
-/* A cut element is not copied; where it stood something like it may be: of its kind, and
- * of its symbol where symbols matter, about as large, and lying like it. */
-static void set_stand_ins(tz_growth_exemplar *ex)
-{
-    for (int32_t k = 0; k < ex->n; k++) {
-        tz_growth_unit *e = &ex->unit[k];
-        float least = 0.5F;
-        e->stand_in = e->copied ? k : -1;
-        for (int32_t j = 0; j < ex->elements && !e->copied; j++) {
-            const tz_growth_unit *o = &ex->unit[j];
-            if (!o->copied || o->kind != e->kind)
-                continue;
-            const float size = fabsf(o->r - e->r) / (o->r + e->r);
-            const float axes = hypotf(o->c2 - e->c2, o->s2 - e->s2);
-            const float other = ex->symbols && o->symbol != e->symbol ? 0.25F : 0;
-            const float cost = 3 * size + 0.25F * axes + other;
-            if (cost < least)
-                least = cost, e->stand_in = j;
-        }
-    }
-}
-
 /* How many neighbours a copy should have: as many as the unit, or, where the exemplar's
  * border cuts the unit's, as many as others have on average. */
 static void set_due(tz_growth_exemplar *ex)
@@ -511,7 +411,6 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
     cloud c = {0};
     const double mean = sqrt(ex->size.x * ex->size.y / ex->n);
     const double margin = 1.5 * (p->rings + 1.5) * mean;
-    tz_growth_find_density(ex);
     tz_status s = cloud_init(ctx, ex, margin, &c);
     if (s == TZ_OK)
         s = measure(ctx, ex, &c);
@@ -524,7 +423,8 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
     if (s == TZ_OK)
         s = set_neighbourhoods(ctx, ex, &c, p->rings);
     if (s == TZ_OK) {
-        set_stand_ins(ex);
+        for (int32_t k = ex->elements; k < ex->n; k++)
+            ex->unit[k].stand_in = k;
         s = tz_growth_find_classes(ctx, ex);
     }
     if (s == TZ_OK)
@@ -535,20 +435,11 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
     return s;
 }
 
-/* Elements of the palette that belong to a texture. */
-static int32_t count_selected(const tz_element_set *set, const tz_growth_texture *t)
-{
-    int32_t n = 0;
-    for (int32_t k = 0; k < set->element.n; k++)
-        n += is_selected(t, &set->element.v[k]);
-    return n;
-}
-
 tz_status tz_growth_exemplar_init(tz_ctx *ctx, const tz_element_set *set,
                                   const tz_growth_texture *texture,
                                   const tz_growth_params *p, tz_growth_exemplar *ex)
 {
-    const int32_t n = count_selected(set, texture), number = ex->number;
+    const int32_t n = tz_growth_count_units(set, texture), number = ex->number;
     memset(ex, 0, sizeof *ex);
     ex->number = number;
     ex->texture = *texture;
@@ -577,7 +468,7 @@ tz_status tz_growth_exemplar_init(tz_ctx *ctx, const tz_element_set *set,
     const int32_t most = 3 * n + 64;
     tz_status s = tz_alloc_zero(ctx, &ex->unit, (size_t)most, sizeof *ex->unit);
     if (s == TZ_OK) {
-        set_units(ex);
+        tz_growth_set_units(ex);
         s = prepare(ctx, ex, p, most);
     }
     if (s != TZ_OK)

@@ -35,7 +35,9 @@ typedef struct tz_growth_unit {
     float r, c2, s2;
     float spacing;             /* mean distance to its first ring */
     float reach, wide;         /* radius of its neighbourhood, of its first ring */
-    float sight;               /* how far its ring's collisions reach */
+    float view;                /* its reach, less the radius of any other */
+    float sight;               /* the same, or how far its ring's collisions reach */
+    float clear;               /* how far its own do, less the other's radius */
     float half;                /* of the square that its map covers */
     int32_t kind, hard, class; /* kind; class of collision; class of balance */
     int32_t symbol, source;    /* of the element in the palette, -1 = void */
@@ -91,7 +93,7 @@ typedef struct tz_growth_spot {
     int16_t visits, first; /* visits as a seed; neighbours in its first ring */
     int16_t run; /* steps since the growth last left one place of the exemplar */
     bool queued, waiting, fixed;
-    bool strange; /* given, no copy */
+    bool strange, gone; /* given, no copy; to be removed */
 } tz_growth_spot;
 
 /** Spot as seen from a place. */
@@ -124,6 +126,7 @@ typedef struct tz_growth_node {
 typedef struct tz_growth_cover {
     int32_t nx, ny, words; /* cells; words a row */
     double step_x, step_y;
+    bool led;                /* by a brush, which says what texture grows where */
     size_t cells;            /* words in all */
     uint64_t *inside;        /* cells of the domain */
     uint64_t *open, *done;   /* cells that may be grown in; that are decided */
@@ -149,17 +152,24 @@ struct tz_growth {
     int32_t *queue, queue_cap, queue_head, queue_n; /* ring of seeds */
     int32_t *count;                                 /* by texture and class of balance */
     int32_t counted[TZ_GROWTH_TEXTURES];
-    int32_t *wait, wait_n, wait_cap; /* seeds that found nothing good enough */
-    int32_t placed;                  /* elements, voids not counted */
+    int32_t placed; /* elements, voids not counted */
     int32_t round[4 * TZ_GROWTH_BATCH * TZ_GROWTH_FREE], rounds; /* spots of this round */
     int32_t phase;   /* of the growth: see growth.c */
     int64_t started; /* how far the passes over places and spots are */
     int32_t closed, filled, polished;
-    int32_t solved; /* spots when everything was solved last */
+    tz_vec2 box_lo, box_hi; /* where holes are looked for */
+    int32_t solved;         /* spots when everything was solved last */
     tz_growth_node *node;
     tz_growth_edge *edge;
     int32_t nodes, edges;
 };
+
+/* ---- growth_units.c -------------------------------------------------------------- */
+
+/** Elements of a palette that a texture selects. */
+int32_t tz_growth_count_units(const tz_element_set *set, const tz_growth_texture *t);
+/** ex->unit and what is known of them all; room for all selected. */
+void tz_growth_set_units(tz_growth_exemplar *ex);
 
 /* ---- growth_exemplar.c ----------------------------------------------------------- */
 
@@ -185,6 +195,20 @@ tz_status tz_growth_open(tz_ctx *ctx, const tz_element_set *palette,
                          const tz_growth_texture *texture, int32_t n,
                          const tz_growth_params *params, tz_element_set *output,
                          bool closed, tz_growth **growth);
+/** Goes on after places within `radius` were opened. */
+void tz_growth_resume(tz_growth *g, tz_vec2 at, double radius);
+/** Nothing more is to be done. */
+void tz_growth_rest(tz_growth *g);
+/** Starts a texture at a place unless it has elements within `gap`. */
+tz_status tz_growth_seed(tz_growth *g, int32_t texture, double x, double y, double gap);
+/** Radius of the disc about a place that touches no element; up to `most`. */
+double tz_growth_gap(const tz_growth *g, double x, double y, double most);
+
+/* ---- growth_remove.c ------------------------------------------------------------- */
+
+/** Takes spots that are `gone` out, and their elements.
+ * @return TZ_OK; TZ_NOMEM (nothing is removed) */
+tz_status tz_growth_remove(tz_growth *g);
 
 /* ---- growth_cover.c -------------------------------------------------------------- */
 
@@ -198,7 +222,8 @@ void tz_growth_decide(tz_growth *g, const tz_growth_spot *q, int32_t unit);
 void tz_growth_decide_place(tz_growth *g, int32_t texture, double x, double y, double r);
 void tz_growth_forget_place(tz_growth *g, int32_t texture, double x, double y, double r);
 /** Lets growth into a disc of the domain, or shuts it out. */
-void tz_growth_open_place(tz_growth *g, double x, double y, double r, bool open);
+void tz_growth_open_place(tz_growth *g, int32_t texture, double x, double y, double r,
+                          bool open);
 bool tz_growth_is_decided(const tz_growth *g, double x, double y);
 /** Whether a texture may grow at a place. */
 bool tz_growth_is_of(const tz_growth *g, int32_t texture, double x, double y);
@@ -217,10 +242,11 @@ void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32
                     tz_growth_view *view);
 /** Cost of seeing what of one's own texture is there where the neighbourhood of unit `u`
  * should be.
+ * @param enough     costs above this may be given as INFINITY
  * @param[out] used  which neighbours of the unit are paired
  * @param[out] pair  NULL, or per seen one its neighbour of the unit, -1 = none */
 float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_seen *v,
-                      int32_t n, uint64_t *used, int8_t *pair);
+                      int32_t n, float enough, uint64_t *used, int8_t *pair);
 /** How far away a unit sees something: large things count from nearer. */
 static inline float tz_growth_far(const tz_growth_unit *u, float x, float y, float r)
 {
@@ -238,7 +264,7 @@ float tz_growth_apart(const tz_growth_exemplar *ex, int32_t hard1, float r1,
                       const tz_growth_seen *o);
 /** The same of all that is seen, and a little more for units at the exemplar's border. */
 float tz_growth_cost(const tz_growth_exemplar *ex, int32_t u, const tz_growth_view *view,
-                     uint64_t *used);
+                     float enough, uint64_t *used);
 /** Best of a unit and its coherent ones. */
 int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
                           const tz_growth_view *view);

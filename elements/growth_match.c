@@ -23,7 +23,7 @@ static const float cost_cut = 0.1F;
 static const float cost_axis = 0.5F, cost_size = 1;
 /* Another symbol of the same kind; samples that lie about their centres quite otherwise. */
 static const float cost_symbol = 0.25F, cost_shape = 0.5F;
-enum { SAMPLES = 12 }; /* of an element that are compared */
+enum { SAMPLES = 12, NONE = 255 }; /* compared of an element; entry of empty cells */
 
 /* ---- what is seen ---------------------------------------------------------------- */
 
@@ -108,7 +108,7 @@ static int32_t entry(const uint8_t *lut, float half, float scale, float x, float
     if (!(i >= 0 && j >= 0 && i < N && j < N))
         return -1;
     const uint8_t at = lut[(size_t)(int)j * N + (size_t)(int)i];
-    return at == 255 ? -1 : at;
+    return at == NONE ? -1 : at;
 }
 
 static const uint8_t *map_of(const tz_growth_exemplar *ex, int32_t u)
@@ -165,11 +165,16 @@ static float unlike_shape(const tz_growth_exemplar *ex, int32_t a, int32_t b)
 static float attributes(const tz_growth_exemplar *ex, const tz_growth_seen *o,
                         const tz_growth_near *c)
 {
-    const float axes =
-        sqrtf((o->c2 * o->c2 + o->s2 * o->s2) * (c->c2 * c->c2 + c->s2 * c->s2));
-    const float sine2 = 0.5F * (axes - o->c2 * c->c2 - o->s2 * c->s2);
-    const float size = (o->r - c->r) / (o->r + c->r);
-    float cost = cost_axis * sine2 + cost_size * size * size;
+    float cost = 0;
+    if (o->c2 != c->c2 || o->s2 != c->s2) {
+        const float axes =
+            sqrtf((o->c2 * o->c2 + o->s2 * o->s2) * (c->c2 * c->c2 + c->s2 * c->s2));
+        cost += 0.5F * cost_axis * (axes - o->c2 * c->c2 - o->s2 * c->s2);
+    }
+    if (o->r != c->r) {
+        const float size = (o->r - c->r) / (o->r + c->r);
+        cost += cost_size * size * size;
+    }
     if (o->symbol != c->symbol && ex->symbols)
         cost += cost_symbol;
     if (o->copy >= 0 && o->copy != c->unit && ex->unit[c->unit].bent)
@@ -178,33 +183,40 @@ static float attributes(const tz_growth_exemplar *ex, const tz_growth_seen *o,
 }
 
 float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_seen *v,
-                      int32_t n, uint64_t *used, int8_t *pair)
+                      int32_t n, float enough, uint64_t *used, int8_t *pair)
 {
+    enum { N = TZ_GROWTH_LUT };
     const tz_growth_unit *e = &ex->unit[u];
     const tz_growth_near *near = ex->near.v + e->near;
     const uint8_t *lut = map_of(ex, u);
-    const float scale = TZ_GROWTH_LUT / (2 * e->half);
+    const float half = e->half, scale = N / (2 * half), reach = e->reach, r = e->r;
     const float limit = 0.25F * e->spacing * e->spacing, part = 1 / limit;
+    const float most = enough * (float)n;
     uint64_t taken = 0;
     float cost = 0;
     int32_t counted = 0;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < n && cost <= most; i++) {
         const tz_growth_seen *o = &v[i];
+        const float far = reach + (o->r > r ? o->r - r : 0);
         if (pair)
             pair[i] = -1;
-        const float reach = e->reach + (o->r > e->r ? o->r - e->r : 0);
-        if (o->texture != ex->number || o->x * o->x + o->y * o->y > reach * reach)
+        if (o->x * o->x + o->y * o->y > far * far || o->texture != ex->number)
             continue;
         counted++;
-        const int32_t j = entry(lut, e->half, scale, o->x, o->y);
-        float dx = 0, dy = 0, d = limit;
-        if (j >= 0 && !(taken >> j & 1))
-            dx = o->x - near[j].x, dy = o->y - near[j].y, d = dx * dx + dy * dy;
-        if (j < 0 || d >= limit)
+        const float cx = (o->x + half) * scale, cy = (o->y + half) * scale;
+        const bool mapped = cx >= 0 && cy >= 0 && cx < N && cy < N;
+        const uint8_t j = mapped ? lut[(size_t)((int32_t)cy * N + (int32_t)cx)] : NONE;
+        if (j == NONE || (taken >> j & 1)) {
             cost += is_known(ex, e, o) ? cost_stranger : cost_unknown;
-        else if (o->kind != near[j].kind)
+            continue;
+        }
+        const float dx = o->x - near[j].x, dy = o->y - near[j].y;
+        const float d = dx * dx + dy * dy;
+        if (d >= limit) {
+            cost += is_known(ex, e, o) ? cost_stranger : cost_unknown;
+        } else if (o->kind != near[j].kind) {
             cost += cost_kind;
-        else {
+        } else {
             cost += d * part + attributes(ex, o, &near[j]);
             taken |= (uint64_t)1 << j;
             if (pair)
@@ -212,13 +224,13 @@ float tz_growth_match(const tz_growth_exemplar *ex, int32_t u, const tz_growth_s
         }
     }
     *used = taken;
-    return counted ? cost / (float)counted : 0;
+    return cost > most ? INFINITY : counted ? cost / (float)counted : 0;
 }
 
 float tz_growth_cost(const tz_growth_exemplar *ex, int32_t u, const tz_growth_view *view,
-                     uint64_t *used)
+                     float enough, uint64_t *used)
 {
-    return tz_growth_match(ex, u, view->v, view->n, used, NULL) +
+    return tz_growth_match(ex, u, view->v, view->n, enough, used, NULL) +
            (ex->unit[u].whole ? 0 : cost_cut);
 }
 
@@ -228,9 +240,9 @@ int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
     const tz_growth_unit *e = &ex->unit[u];
     uint64_t used;
     int32_t best = u;
-    float least = tz_growth_cost(ex, u, view, &used);
+    float least = tz_growth_cost(ex, u, view, INFINITY, &used);
     for (int32_t k = 0; k < e->coherents; k++) {
-        const float c = tz_growth_cost(ex, e->coherent[k], view, &used);
+        const float c = tz_growth_cost(ex, e->coherent[k], view, least, &used);
         if (c < least)
             least = c, best = e->coherent[k];
     }

@@ -57,9 +57,9 @@ static int32_t predict(tz_growth *g, int32_t spot, tz_growth_view *view, predict
     uint64_t used;
     int32_t n = 0;
     const tz_growth_exemplar *ex = &g->ex[q->texture];
-    tz_growth_look(g, q->x, q->y, ex->unit[q->match].reach, spot, view);
+    tz_growth_look(g, q->x, q->y, ex->unit[q->match].view, spot, view);
     q->match = tz_growth_nearest(ex, q->match, view);
-    tz_growth_match(ex, q->match, view->v, view->n, &used, pair);
+    tz_growth_match(ex, q->match, view->v, view->n, INFINITY, &used, pair);
     const tz_growth_unit *u = &ex->unit[q->match];
     q->first = 0;
     for (int32_t i = 0; i < view->n; i++) {
@@ -151,7 +151,7 @@ static void move(tz_growth *g, int32_t spot, double dx, double dy)
         return;
     if (d > most)
         dx *= most / d, dy *= most / d;
-    tz_growth_look(g, q->x, q->y, u->sight, spot, &view);
+    tz_growth_look(g, q->x, q->y, u->clear + most, spot, &view);
     for (int32_t halved = 0; halved < 2; halved++, dx *= 0.5, dy *= 0.5) {
         const tz_vec2 v = tz_growth_in(&view, dx, dy);
         if (may_go(g, q, q->x + dx, q->y + dy) && !collides(g, spot, v.x, v.y, &view)) {
