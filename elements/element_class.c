@@ -1,43 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Classes and samples. What the document names keeps its name; the rest is clustered by
- * colour, shape and (little) size of its symbols. A wanted number of classes is found by
- * farthest-first seeds and k-means, an unwanted one by leaders: a symbol farther than 1
- * from every leader so far becomes one. */
+ * the look of its symbols: element_cluster.c. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/rng.h"
+#include "elements/element_cluster.h"
 #include "elements/element_svg_internal.h"
 
-enum { FEATURES = 6, MOST_CLASSES = 64, MOST_SAMPLES = 9, HEADS = 4096, ROUNDS = 12 };
+enum { MOST_SAMPLES = 9, HEADS = 4096 };
 
-typedef struct feature {
-    double v[FEATURES];
-    double fullness; /* area over that of the circle */
-    int32_t count;   /* unnamed elements of the symbol */
-    int32_t kind;    /* cluster, then kind */
-} feature;
+typedef tz_element_look feature; /* count: unnamed elements; kind: cluster, then kind */
 
 /* ---- features ---------------------------------------------------------------------- */
 
 static double linear(double c)
 {
     return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-}
-
-/* Oklab: distances in it are about as large as they look. */
-static void to_lab(uint32_t color, double lab[3])
-{
-    const double r = linear((color >> 24) / 255.0),
-                 g = linear((color >> 16 & 255) / 255.0),
-                 b = linear((color >> 8 & 255) / 255.0);
-    const double l = cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
-    const double m = cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
-    const double s = cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
-    lab[0] = 0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s;
-    lab[1] = 1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s;
-    lab[2] = 0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s;
 }
 
 /** Mean colour of a thing, parts weighted by the area of their boxes. */
@@ -50,8 +30,10 @@ static void color_of(const tz_element_reader *r, const tz_thing *t, double lab[3
         const uint32_t color = p->look.fill & 255 ? p->look.fill : p->look.stroke;
         const double w = p->look.width + p->box.x1 - p->box.x0,
                      h = p->look.width + p->box.y1 - p->box.y0, a = w * h + 1e-30;
-        double one[3];
-        to_lab(color, one);
+        double rgb[3], one[3];
+        for (int k = 0; k < 3; k++)
+            rgb[k] = linear((color >> (24 - 8 * k) & 255) / 255.0);
+        tz_element_lab(rgb, one);
         for (int k = 0; k < 3; k++)
             lab[k] += one[k] * a;
         sum += a;
@@ -65,111 +47,9 @@ static void describe(const tz_element_reader *r, const tz_thing *t,
 {
     const tz_polys polys = {
         {y->outline.v, y->outline.n, 0}, {y->part.v, y->part.n, 0}, {0}};
-    const tz_moments m = tz_polys_moments(&polys);
     double lab[3];
     color_of(r, t, lab);
-    for (int k = 0; k < 3; k++)
-        f->v[k] = lab[k] / 0.1;
-    f->v[3] = log2(fmin(m.aspect, 8)) / 1.5;
-    f->v[4] =
-        m.perimeter > 0 ? 4 * TZ_PI * m.area / (m.perimeter * m.perimeter) / 0.5 : 0;
-    f->v[5] = log2(radius) / 4;
-    f->fullness = m.area / (TZ_PI * y->radius * y->radius);
-}
-
-static double distance(const double *a, const double *b)
-{
-    double d = 0;
-    for (int k = 0; k < FEATURES; k++)
-        d += (a[k] - b[k]) * (a[k] - b[k]);
-    return sqrt(d);
-}
-
-/* ---- clusters ---------------------------------------------------------------------- */
-
-typedef struct clusters {
-    double at[MOST_CLASSES][FEATURES];
-    int32_t n;
-} clusters;
-
-static int32_t nearest(const clusters *c, const double *v, double *d)
-{
-    int32_t best = 0;
-    *d = INFINITY;
-    for (int32_t k = 0; k < c->n; k++) {
-        const double e = distance(c->at[k], v);
-        if (e < *d) {
-            *d = e;
-            best = k;
-        }
-    }
-    return best;
-}
-
-static void add_seed(clusters *c, const feature *f)
-{
-    memcpy(c->at[c->n++], f->v, sizeof f->v);
-}
-
-/** The most frequent symbol first, then always the one farthest from all seeds. */
-static void seed_wanted(clusters *c, const feature *f, int32_t n, int32_t wanted)
-{
-    int32_t pick = -1;
-    for (int32_t i = 0; i < n; i++)
-        if (f[i].count > (pick < 0 ? 0 : f[pick].count))
-            pick = i;
-    while (pick >= 0 && c->n < wanted) {
-        double farthest = 0;
-        add_seed(c, &f[pick]);
-        pick = -1;
-        for (int32_t i = 0; i < n; i++) {
-            double d;
-            if (f[i].count == 0)
-                continue;
-            nearest(c, f[i].v, &d);
-            if (d > farthest) {
-                farthest = d;
-                pick = i;
-            }
-        }
-    }
-}
-
-static void seed_leaders(clusters *c, const feature *f, int32_t n)
-{
-    for (int32_t i = 0; i < n; i++) {
-        double d;
-        if (f[i].count == 0)
-            continue;
-        nearest(c, f[i].v, &d);
-        if (d > 1 && c->n < MOST_CLASSES)
-            add_seed(c, &f[i]);
-    }
-}
-
-/** Moves each centre to the mean of its symbols; sets f[].kind. */
-static void settle(clusters *c, feature *f, int32_t n)
-{
-    for (int round = 0; round < ROUNDS; round++) {
-        double sum[MOST_CLASSES][FEATURES] = {{0}}, weight[MOST_CLASSES] = {0};
-        bool moved = false;
-        for (int32_t i = 0; i < n; i++) {
-            double d;
-            if (f[i].count == 0)
-                continue;
-            const int32_t k = nearest(c, f[i].v, &d);
-            moved = moved || round == 0 || k != f[i].kind;
-            f[i].kind = k;
-            weight[k] += f[i].count;
-            for (int j = 0; j < FEATURES; j++)
-                sum[k][j] += f[i].v[j] * f[i].count;
-        }
-        if (!moved)
-            return;
-        for (int32_t k = 0; k < c->n; k++)
-            for (int j = 0; j < FEATURES && weight[k] > 0; j++)
-                c->at[k][j] = sum[k][j] / weight[k];
-    }
+    tz_element_look_at(lab, &polys, y->radius, radius, f);
 }
 
 /* ---- names ------------------------------------------------------------------------- */
@@ -220,18 +100,9 @@ static tz_status name_kinds(tz_element_reader *r)
 /** Clusters what has no name and appends a kind a cluster that is used. */
 static tz_status cluster(tz_element_reader *r, feature *f)
 {
-    clusters *c = NULL;
-    int32_t kind_of[MOST_CLASSES];
+    int32_t kind_of[TZ_ELEMENT_CLASSES];
     const int32_t n = r->set.symbol.n;
-    tz_status s = tz_alloc_zero(r->ctx, &c, 1, sizeof *c);
-    if (s != TZ_OK)
-        return s;
-    if (r->opt.classes > 0)
-        seed_wanted(c, f, n,
-                    r->opt.classes < MOST_CLASSES ? r->opt.classes : MOST_CLASSES);
-    else
-        seed_leaders(c, f, n);
-    settle(c, f, n);
+    tz_status s = tz_element_cluster(r->ctx, f, n, r->opt.classes);
     memset(kind_of, 255, sizeof kind_of);
     for (int32_t i = 0, number = 0; i < n && s == TZ_OK; i++) {
         if (f[i].count == 0)
@@ -244,7 +115,6 @@ static tz_status cluster(tz_element_reader *r, feature *f)
         }
         f[i].kind = kind_of[f[i].kind];
     }
-    tz_free(r->ctx, c);
     return s;
 }
 
