@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Growth copies neighbourhoods one by one and is local; the solver then evens out what
- * met badly, everywhere at once. */
+ * met badly, everywhere at once. Its energy knows neither overlaps nor empty room: the
+ * first are pushed apart after each of its iterations (elements/spacing.h); and where it
+ * is asked for by no one but ourselves, its result is taken only if it is more like the
+ * exemplar than what was grown. */
 #include "elements/element_arrange.h"
 
 #include <string.h>
 #include <time.h>
 
+#include "elements/element_compare.h"
 #include "elements/energy.h"
 #include "elements/growth.h"
+#include "elements/spacing.h"
 
 #define AT(m) offsetof(tz_element_arrange_params, m)
 static const tz_param rows[] = {
@@ -30,16 +35,29 @@ static const tz_param rows[] = {
     {"balance", TZ_PARAM_DOUBLE, AT(balance), 0, 1, "0.5", "", NULL,
      "Elements: how hard the shares of classes follow the exemplar's."},
     {"iterations", TZ_PARAM_INT, AT(iterations), -1, 10000, "-1", "", NULL,
-     "Elements: iterations of the energy solver; -1 = 3 after growth, 20 without."},
+     "Elements: iterations of the energy solver; -1 = 3 after growth, if they help, and "
+     "20 without."},
     {"most", TZ_PARAM_INT, AT(most), 0, 100000000, "0", "", NULL,
      "Elements: placed at most; 0 fills the domain."},
+    {"shape", TZ_PARAM_ENUM, AT(shape), 0, 0, "rigid", "", "rigid|similarity|bend",
+     "Elements: what becomes of long ones: moved and turned, also scaled, or bent."},
+    {"existence", TZ_PARAM_BOOL, AT(existence), 0, 1, "true", "", NULL,
+     "Elements: the solver also adds what its matches miss and removes what none of them "
+     "has."},
+    {"inside", TZ_PARAM_DOUBLE, AT(inside), 0, 1, "0", "", NULL,
+     "Elements: share of the radius that must lie within --domain; 0 = the centre, 1 = "
+     "all."},
 };
 #undef AT
 const tz_param_table tz_element_arrange_param_table = {
     "elements", "Arrangement of elements over a domain.", rows,
     sizeof rows / sizeof rows[0], sizeof(tz_element_arrange_params)};
 
-enum { STEP = 512 }; /* elements between two looks at progress and cancel */
+enum {
+    STEP = 512, /* elements between two looks at progress and cancel */
+    ROUNDS = 6, /* of pushing apart after an iteration of the solver */
+    FEW = 8     /* elements have no statistics below this */
+};
 
 static double seconds(void)
 {
@@ -79,6 +97,7 @@ static tz_status grow(tz_ctx *ctx, const tz_element_set *exemplar,
     g.overlap = p->overlap;
     g.balance = p->balance;
     g.most = p->most;
+    g.inside = p->inside;
     tz_status s = tz_growth_begin(ctx, exemplar, &g, layout, &growth);
     if (s != TZ_OK)
         return s;
@@ -94,6 +113,15 @@ static tz_status grow(tz_ctx *ctx, const tz_element_set *exemplar,
     return s;
 }
 
+/** After each iteration of the solver: nothing nearer than in the exemplar. */
+static tz_status keep_apart(void *user, tz_element_set *output, int32_t iteration,
+                            double energy)
+{
+    (void)iteration;
+    (void)energy;
+    return tz_spacing_relax(user, output, ROUNDS);
+}
+
 static tz_status solve(tz_ctx *ctx, const tz_element_set *exemplar,
                        const tz_element_arrange_params *p, uint64_t seed,
                        tz_element_set *layout)
@@ -103,13 +131,101 @@ static tz_status solve(tz_ctx *ctx, const tz_element_set *exemplar,
     tz_energy_params e;
     tz_params_default(&tz_energy_param_table, &e);
     e.seed = seed;
+    e.shape = p->shape;
+    e.existence = p->existence && p->most == 0;
     e.start = (int32_t)start[p->method];
     e.iterations = p->iterations >= 0                ? p->iterations
                    : p->method == TZ_ELEMENTS_GROWTH ? 3
                                                      : 20;
     if (e.start == TZ_ENERGY_GIVEN && (e.iterations == 0 || layout->element.n == 0))
         return TZ_OK;
-    return tz_energy_solve(ctx, exemplar, &e, layout, NULL, NULL);
+    tz_spacing spacing;
+    tz_status s = tz_spacing_init(ctx, exemplar, &spacing);
+    if (s != TZ_OK)
+        return s;
+    const tz_energy_hook hook = {.after = keep_apart, .user = &spacing};
+    s = tz_energy_solve(ctx, exemplar, &e, layout, &hook, NULL);
+    tz_spacing_deinit(&spacing);
+    return s;
+}
+
+/* ---- grown or solved: the better one ------------------------------------------------ */
+
+/** How unlike a layout is: ratios, and what must not be, in the units of a ratio. */
+static tz_status unlikeness(tz_ctx *ctx, const tz_element_set *exemplar,
+                            const tz_element_set *layout, double *out)
+{
+    tz_element_likeness q;
+    const double spacing =
+        sqrt(tz_domain_area(&exemplar->domain) / seen_elements(exemplar));
+    tz_status s = tz_element_compare(ctx, exemplar, layout, &q);
+    if (s == TZ_OK)
+        *out = q.mean + 5 * fmax(0, q.overlaps[1] - q.overlaps[0]) +
+               4 * fmax(0, fabs(q.density - 1) - 0.02) +
+               fmax(0, q.hole[1] - q.hole[0]) / spacing;
+    return s;
+}
+
+/** Elements and samples of a layout, to go back to. */
+typedef struct tz_kept {
+    tz_element *element;
+    tz_sample *sample;
+    int32_t elements, samples;
+} tz_kept;
+
+static tz_status keep(tz_ctx *ctx, const tz_element_set *set, tz_kept *k)
+{
+    *k = (tz_kept){.elements = set->element.n, .samples = set->sample.n};
+    tz_status s = tz_alloc(ctx, &k->element, (size_t)k->elements, sizeof *k->element);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &k->sample, (size_t)k->samples, sizeof *k->sample);
+    if (s != TZ_OK)
+        return s;
+    memcpy(k->element, set->element.v, (size_t)k->elements * sizeof *k->element);
+    memcpy(k->sample, set->sample.v, (size_t)k->samples * sizeof *k->sample);
+    return TZ_OK;
+}
+
+static tz_status restore(tz_ctx *ctx, const tz_kept *k, tz_element_set *set)
+{
+    tz_status s = tz_array_reserve(ctx, &set->element, k->elements);
+    if (s == TZ_OK)
+        s = tz_array_reserve(ctx, &set->sample, k->samples);
+    if (s != TZ_OK)
+        return s;
+    memcpy(set->element.v, k->element, (size_t)k->elements * sizeof *k->element);
+    memcpy(set->sample.v, k->sample, (size_t)k->samples * sizeof *k->sample);
+    set->element.n = k->elements;
+    set->sample.n = k->samples;
+    return TZ_OK;
+}
+
+/** Solves, and goes back where that made it less like the exemplar. Guided layouts differ
+ * from their exemplar on purpose: there the solver is trusted. */
+static tz_status solve_if_better(tz_ctx *ctx, const tz_element_set *exemplar,
+                                 const tz_element_arrange_params *p, uint64_t seed,
+                                 tz_element_set *layout)
+{
+    const tz_domain *d = &layout->domain;
+    const bool measured = p->method == TZ_ELEMENTS_GROWTH && p->iterations < 0 &&
+                          !d->region && !d->frames && !d->zones && p->most == 0 &&
+                          exemplar->element.n >= FEW && layout->element.n >= FEW;
+    tz_kept grown = {0};
+    double before = 0, after = 0;
+    if (!measured)
+        return solve(ctx, exemplar, p, seed, layout);
+    tz_status s = unlikeness(ctx, exemplar, layout, &before);
+    if (s == TZ_OK)
+        s = keep(ctx, layout, &grown);
+    if (s == TZ_OK)
+        s = solve(ctx, exemplar, p, seed, layout);
+    if (s == TZ_OK)
+        s = unlikeness(ctx, exemplar, layout, &after);
+    if (s == TZ_OK && !(after < before))
+        s = restore(ctx, &grown, layout);
+    tz_free(ctx, grown.element);
+    tz_free(ctx, grown.sample);
+    return s;
 }
 
 tz_status tz_element_arrange(tz_ctx *ctx, const tz_element_set *exemplar,
@@ -128,7 +244,7 @@ tz_status tz_element_arrange(tz_ctx *ctx, const tz_element_set *exemplar,
         grown = seconds();
     }
     if (s == TZ_OK)
-        s = solve(ctx, exemplar, params, seed, layout);
+        s = solve_if_better(ctx, exemplar, params, seed, layout);
     if (report && (s == TZ_OK || s == TZ_CANCELLED)) {
         report->elements = seen_elements(layout);
         report->filled = report->elements / wanted(exemplar, layout);

@@ -22,8 +22,12 @@ typedef struct tz_element_arrange_params {
     int32_t optimise;               /**< tz_growth_optimise */
     int32_t candidates;             /**< alike neighbourhoods tried, 1..8 */
     double ratio, overlap, balance; /**< as in tz_growth_params */
-    int32_t iterations;             /**< of the solver; -1 = 3 after growth, 20 else */
-    int32_t most;                   /**< elements at most, 0 = as many as fit */
+    int32_t
+        iterations; /**< of the solver; -1 = 3 after growth where they help, 20 else */
+    int32_t most;   /**< elements at most, 0 = as many as fit */
+    int32_t shape;  /**< tz_shape: what becomes of elements of several samples */
+    bool existence; /**< the solver also adds what is missing and removes what is amiss */
+    double inside;  /**< as in tz_growth_params */
 } tz_element_arrange_params;
 TZ_API extern const tz_param_table tz_element_arrange_param_table;
 
