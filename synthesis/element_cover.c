@@ -236,15 +236,33 @@ static void fan(tz_cover *c, tz_vec2 p, double r, double from, double turn)
     }
 }
 
-/* All pieces wind the same way, so that the sum of them, clamped, is their union. */
-static void segment(tz_cover *c, tz_vec2 p, tz_vec2 q, tz_vec2 n)
+/* A piece of the line between two cuts across it: a, d are its ends on one side. */
+static void piece(tz_cover *c, tz_vec2 p, tz_vec2 q, tz_vec2 n, tz_vec2 m)
 {
-    const tz_vec2 a = tz_vec2_sub(p, n), b = tz_vec2_sub(q, n), d = tz_vec2_add(q, n),
+    const tz_vec2 a = tz_vec2_sub(p, n), b = tz_vec2_sub(q, m), d = tz_vec2_add(q, m),
                   e = tz_vec2_add(p, n);
     tz_cover_edge(c, a, b);
     tz_cover_edge(c, b, d);
     tz_cover_edge(c, d, e);
     tz_cover_edge(c, e, a);
+}
+
+/* All pieces wind the same way, so that the sum of them, clamped, is their union. */
+static void segment(tz_cover *c, tz_vec2 p, tz_vec2 q, tz_vec2 n)
+{
+    piece(c, p, q, n, n);
+}
+
+/* The cut across the line at p, where a curve turns from direction d into e: both pieces
+ * end there without lapping over each other. False where they are too short for that. */
+static bool bisect(tz_vec2 d, tz_vec2 e, double shorter, double r, tz_vec2 *cut)
+{
+    const double dot = tz_vec2_dot(d, e), cosine = sqrt(fmax(0.5 * (1 + dot), 0));
+    if (dot < 0.5 || r * sqrt(1 - fmin(cosine * cosine, 1)) > 0.5 * shorter * cosine)
+        return false;
+    const tz_vec2 mid = {-(d.y + e.y), d.x + e.x};
+    *cut = tz_vec2_scale(mid, r / cosine / tz_vec2_length(mid));
+    return true;
 }
 
 /* Fills the outer side where direction d turns into e at p. */
@@ -327,18 +345,31 @@ void tz_cover_stroke(tz_cover *c, const tz_vec2 *p, const bool *smooth, int32_t 
     start = d;
     if (!closed)
         cap(c, p[0], tz_vec2_scale(d, -1), pen);
+    tz_vec2 from = {-d.y * r, d.x * r};
     for (int32_t steps = 0; steps <= n; steps++) {
-        segment(c, p[i], p[j], (tz_vec2){-d.y * r, d.x * r});
+        const tz_vec2 square = {-d.y * r, d.x * r};
         const bool around = j <= i; /* closed: back at the start */
+        const bool curve = smooth && smooth[j];
+        tz_vec2 cut;
         int32_t k;
         if (around || !direction(p, n, closed, j, &k, &e)) {
+            piece(c, p[i], p[j], from, square);
             if (closed)
-                join(c, p[j], d, start, smooth && smooth[j] ? 1 : pen->join, pen);
+                join(c, p[j], d, start, curve ? 1 : pen->join, pen);
             else
                 cap(c, p[j], d, pen);
             return;
         }
-        join(c, p[j], d, e, smooth && smooth[j] ? 1 : pen->join, pen);
+        const double l = tz_vec2_length(tz_vec2_sub(p[j], p[i])),
+                     m = tz_vec2_length(tz_vec2_sub(p[k], p[j]));
+        if (curve && bisect(d, e, fmin(l, m), r, &cut)) {
+            piece(c, p[i], p[j], from, cut);
+            from = cut;
+        } else {
+            piece(c, p[i], p[j], from, square);
+            join(c, p[j], d, e, curve ? 1 : pen->join, pen);
+            from = (tz_vec2){-e.y * r, e.x * r};
+        }
         i = j;
         j = k;
         d = e;

@@ -195,7 +195,8 @@ static tz_status measure(tz_ctx *ctx, tz_drawing *d, const char *markup, double 
     if (code != 0)
         return fault(ctx, d, code, why);
     d->box = (tz_bounds){b[0], b[1], b[2], b[3]};
-    if (strstr(markup, "filter") && b[0] <= b[2]) { /* paints beyond its shapes */
+    d->filtered = strstr(markup, "filter") != NULL;
+    if (d->filtered && b[0] <= b[2]) { /* paints beyond its shapes */
         const double more = fmax(b[2] - b[0], b[3] - b[1]);
         d->box = (tz_bounds){b[0] - more, b[1] - more, b[2] + more, b[3] + more};
     }
@@ -416,53 +417,78 @@ static tz_status open_document(tz_ctx *ctx, const tz_drawing *d, int32_t number,
     char why[256] = "";
     if (w->document[number])
         return TZ_OK;
-    tz_status s =
-        w->api ? TZ_OK
-               : tz_module_symbol(ctx, "vector", TZ_VECTOR_SYMBOL, (void *)&w->api);
-    if (s != TZ_OK)
-        return s;
+    if (!w->api) {
+        const tz_status s =
+            tz_module_symbol(ctx, "vector", TZ_VECTOR_SYMBOL, (void *)&w->api);
+        if (s != TZ_OK)
+            return s;
+        for (int k = 0; k < 256; k++)
+            w->decoded[k] = tz_srgb_decode((float)k / 255);
+    }
     const int code = w->api->open(d->document, strlen(d->document), &w->document[number],
                                   why, sizeof why);
     return code == 0 ? TZ_OK : fault(ctx, d, code, why);
 }
+
+/* Draws the document into block r (of a tile's own pixels) of w->block, or of memory of its
+ * own where that is too small. */
+static tz_status draw_block(tz_ctx *ctx, const tz_drawing *d, int32_t number,
+                            tz_affine map, tz_rect r, tz_layer_work *w, uint32_t **own)
+{
+    const size_t n = (size_t)r.w * (size_t)r.h;
+    char why[256] = "";
+    tz_status s = TZ_OK;
+    uint32_t *px = w->block;
+    if (n > (size_t)TZ_ELEMENT_TILE * TZ_ELEMENT_TILE) {
+        s = tz_alloc(ctx, own, n, sizeof *px);
+        px = *own;
+    }
+    if (s != TZ_OK)
+        return s;
+    memset(px, 0, n * sizeof *px);
+    const tz_vector_block block = {px, r.w, r.h};
+    const double m[6] = {map.a, map.b, map.c, map.d, map.e - r.x, map.f - r.y};
+    const int code = w->api->draw(w->document[number], m, &block, why, sizeof why);
+    return code == 0 ? TZ_OK : fault(ctx, d, code, why);
+}
+
+/* Filters look at pixels round about: such drawings are made whole, or as far as MARGIN px
+ * beyond the tile. */
+enum { MARGIN = 1024 };
 
 static tz_status draw_document(tz_ctx *ctx, const tz_drawing *d, int32_t number,
                                tz_affine map, tz_layer *layer, tz_layer_work *w)
 {
     const tz_bounds b = tz_bounds_map(d->box, map);
     const tz_rect t = layer->rect;
-    char why[256] = "";
+    const double more = d->filtered ? MARGIN : 0;
+    uint32_t *own = NULL;
     tz_status s = open_document(ctx, d, number, w);
     if (s != TZ_OK || !(b.x0 <= b.x1))
         return s;
-    const int32_t x0 = (int32_t)fmax(floor(b.x0) - 1 - t.x, 0),
-                  y0 = (int32_t)fmax(floor(b.y0) - 1 - t.y, 0);
-    const int32_t x1 = (int32_t)fmin(ceil(b.x1) + 1 - t.x, t.w),
-                  y1 = (int32_t)fmin(ceil(b.y1) + 1 - t.y, t.h);
-    if (x0 >= x1 || y0 >= y1)
+    const int32_t x0 = (int32_t)fmax(floor(b.x0) - 1, t.x - more),
+                  y0 = (int32_t)fmax(floor(b.y0) - 1, t.y - more);
+    const int32_t x1 = (int32_t)fmin(ceil(b.x1) + 1, t.x + t.w + more),
+                  y1 = (int32_t)fmin(ceil(b.y1) + 1, t.y + t.h + more);
+    const tz_rect block = {x0, y0, x1 - x0, y1 - y0}, part = tz_rect_intersect(block, t);
+    if (tz_rect_empty(block) || tz_rect_empty(part))
         return TZ_OK;
-    const tz_vector_block block = {w->block, x1 - x0, y1 - y0};
-    memset(w->block, 0, (size_t)block.width * (size_t)block.height * sizeof *w->block);
-    const double m[6] = {map.a, map.b, map.c, map.d, map.e - t.x - x0, map.f - t.y - y0};
-    const int code = w->api->draw(w->document[number], m, &block, why, sizeof why);
-    if (code != 0)
-        return fault(ctx, d, code, why);
-    float decoded[256];
-    for (int k = 0; k < 256; k++)
-        decoded[k] = tz_srgb_decode((float)k / 255);
-    for (int32_t y = y0; y < y1; y++) {
-        const uint32_t *p = w->block + (int64_t)(y - y0) * block.width;
-        const int64_t at = (int64_t)y * TZ_ELEMENT_TILE + x0;
-        for (int32_t x = 0; x < block.width; x++) {
-            if (p[x] == 0)
+    s = draw_block(ctx, d, number, map, block, w, &own);
+    for (int32_t y = part.y; y < part.y + part.h && s == TZ_OK; y++) {
+        const uint32_t *p =
+            (own ? own : w->block) + (int64_t)(y - y0) * block.w + (part.x - x0);
+        const int64_t at = (int64_t)(y - t.y) * TZ_ELEMENT_TILE + (part.x - t.x);
+        for (int32_t x = 0; x < part.w; x++) {
+            if (p[x] >> 24 == 0)
                 continue;
             if (layer->mask)
                 layer->mask[at + x] = (float)(p[x] >> 24) / 255;
-            else if (p[x] >> 24)
-                tz_layer_over(&layer->px[at + x], linear_of(p[x], decoded));
+            else
+                tz_layer_over(&layer->px[at + x], linear_of(p[x], w->decoded));
         }
     }
-    return TZ_OK;
+    tz_free(ctx, own);
+    return s;
 }
 
 tz_status tz_drawing_draw(tz_ctx *ctx, const tz_drawing *d, int32_t number, tz_affine map,

@@ -287,8 +287,10 @@ static float darker(const tz_matte *m, const ground *g, int32_t x, int32_t y)
         }
     if (!(plate > 1e-6F))
         return 0;
-    const float ratio = (photo + 1e-4F) / (plate + 1e-4F);
-    return ratio >= 1 ? 0 : 1 - fmaxf(ratio, 0.15F);
+    /* ground and plate are never the same grain by grain: little differences count less */
+    const float ratio = (photo + 1e-4F) / (plate + 1e-4F), grain = 0.06F;
+    const float dark = ratio >= 1 ? 0 : 1 - fmaxf(ratio, 0.15F);
+    return dark * dark * dark / (dark * dark + grain * grain);
 }
 
 static tz_status find_shade(tz_ctx *ctx, tz_matte *m, const tz_matte_photo *p,

@@ -49,6 +49,7 @@ typedef struct tz_layer_work {
     TZ_ARRAY(bool)
     smooth;
     const tz_vector_api *api;
+    float decoded[256]; /**< linear light of sRGB k / 255, set along with api */
 } tz_layer_work;
 
 /** Source over: (colour, alpha) premultiplied. */
@@ -71,6 +72,7 @@ typedef struct tz_drawing {
     TZ_ARRAY(tz_flat_part)
     part;
     char *document;   /**< not NULL: librsvg draws this */
+    bool filtered;    /**< what it paints depends on pixels round about */
     const char *name; /**< of the symbol, for messages */
     tz_bounds box;    /**< of all that it paints, symbol's units */
 } tz_drawing;
