@@ -184,6 +184,8 @@ static tz_status choose_drops(census *c)
     const tz_energy_state *t = c->t;
     const int32_t n = t->set->element.n;
     const double least = n > c->expected ? 0.5 : 0.35;
+    /* far too many: half of them may go if some who see them have no partner */
+    const double quota = 0.5 * (n - (1 + SLACK) * c->expected), doubtful = 0.85;
     ranked *order = NULL;
     tz_status s = tz_alloc(t->ctx, &order, (size_t)n, sizeof *order);
     if (s == TZ_OK)
@@ -200,7 +202,8 @@ static tz_status choose_drops(census *c)
         if (t->set->element.v[i].fixed)
             continue;
         look_about(c, i, &crowded, &touched);
-        if (!touched && (crowded || (double)c->support[i] < least)) {
+        const bool surplus = c->dropped < quota && (double)c->support[i] < doubtful;
+        if (!touched && (crowded || surplus || (double)c->support[i] < least)) {
             c->drop[i] = 1;
             c->dropped++;
         }
@@ -314,7 +317,10 @@ static tz_status choose_wishes(census *c)
 {
     tz_energy_state *t = c->t;
     const int32_t before = t->set->element.n - c->dropped;
-    const double need = fmax(3, (before < c->expected ? 0.3 : 0.45) * c->mean);
+    const double share = before < (1 - SLACK) * c->expected ? 0.2
+                         : before < c->expected             ? 0.3
+                                                            : 0.45;
+    const double need = fmax(3, share * c->mean);
     int32_t kept = 0;
     tz_status s = TZ_OK;
     for (int32_t o = 0; o < t->n && s == TZ_OK; o++)
