@@ -10,7 +10,6 @@
  * leaves at most 2.2 of its px a pixel, twice an axis where there is more than one.
  * @source Porter, Duff: Compositing digital images, SIGGRAPH 1984; Williams: Pyramidal
  *   parametrics, SIGGRAPH 1983 */
-#include <assert.h>
 #include <string.h>
 
 #include "synthesis/element_render_internal.h"
@@ -173,7 +172,7 @@ static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_m
     *solid = 0;
     if (mx < 0 || my < 0 || mx >= map->width || my >= map->height) {
         a = 0, f = (tz_f4){0};
-    } else if (own) { /* the boxes agree */
+    } else if (own) { /* within the matte, which reaches farther */
         const int64_t at = (int64_t)(my - m->box.y) * m->box.w + (mx - m->box.x);
         const float *k = m->colour + 3 * at;
         a = m->alpha[at];
@@ -241,8 +240,6 @@ tz_status tz_cutout_fill(tz_ctx *ctx, tz_cutout *c, const tz_element_symbol *y,
         c->empty = true;
         return TZ_OK;
     }
-    assert(p->map || (c->box.x == m->box.x && c->box.y == m->box.y &&
-                      c->box.w == m->box.w && c->box.h == m->box.h));
     tz_status s = tz_alloc(ctx, &c->solid, (size_t)c->box.w * (size_t)c->box.h, 1);
     if (s == TZ_OK)
         s = tz_image_init(ctx, &im, c->box.w, c->box.h, 4);

@@ -211,6 +211,8 @@ static bool find_sides(const border *b, int32_t x, int32_t y, float deep, side *
     return inner && outer;
 }
 
+static float unit(float v) { return v < 0 ? 0 : v > 1 ? 1 : v; }
+
 /* Alpha and pure colour of a pixel near the outline. */
 static void refine(const border *b, int32_t x, int32_t y, float *alpha, float colour[3])
 {
@@ -218,14 +220,15 @@ static void refine(const border *b, int32_t x, int32_t y, float *alpha, float co
     const tz_f4 i = b->photo[at];
     const float area = *alpha;
     side in, out;
-    bool found = find_sides(b, x, y, b->matte, &in, &out);
-    if (!found) /* thin: what there is of its middle */
-        found = find_sides(b, x, y, 0.5F * b->matte, &in, &out);
+    /* deep, where blur does not reach; of thin things what there is of their middle */
+    bool found = find_sides(b, x, y, b->matte + 1, &in, &out);
+    for (int k = 0; k < 2 && !found; k++)
+        found = find_sides(b, x, y, k ? 0.5F * b->matte : b->matte, &in, &out);
     if (!found)
         return;
     const tz_f4 f = in.mean, g = out.mean, line = f - g;
-    const float l = dot3(line, line);
-    float a = area;
+    const float l = dot3(line, line), deep = fabsf(b->m->distance[at]);
+    float a = area, behind = 0;
     if (l > 1e-9F) {
         const tz_f4 spread = in.square + out.square;
         /* along the line, counting channels apart */
@@ -234,14 +237,14 @@ static void refine(const border *b, int32_t x, int32_t y, float *alpha, float co
         float on = dot3(i - g, line) / l;
         on = on < 0 ? 0 : on > 1 ? 1 : on;
         /* by and by as far as the band goes */
-        const float edge = fabsf(b->m->distance[at]) - (b->matte - 1);
-        const float keep = edge <= 0 ? 1 : edge >= 1 ? 0 : 1 - edge;
-        a = area + keep * w * (on - area);
+        a = area + unit(b->matte - deep) * w * (on - area);
+        /* what alpha does not tell of it, but the line does, comes from behind too */
+        behind = unit(2 * (b->matte - deep)) * w * fminf(on - a, 0);
     }
     a = a < 1.0F / 512 ? 0 : a > 1 - 1.0F / 512 ? 1 : a;
-    const tz_f4 pure = f + a * (i - a * f - (1 - a) * g);
+    const tz_f4 pure = f + a * (i - a * f - (1 - a) * g - behind * line);
     for (int k = 0; k < 3; k++)
-        colour[k] = a >= 1 ? i[k] : pure[k] < 0 ? 0 : pure[k];
+        colour[k] = pure[k] < 0 ? 0 : pure[k];
     *alpha = a;
 }
 
@@ -321,7 +324,8 @@ static tz_status find_shade(tz_ctx *ctx, tz_matte *m, const tz_matte_photo *p,
             const float t = -m->distance[at] / band;
             if (t >= 1 || m->alpha[at] >= 1)
                 continue;
-            const float u = t < 0 ? 0 : t, fade = (1 - u) * (1 - u) * (1 + 2 * u);
+            const float u = t < 0.4F ? 0 : (t - 0.4F) / 0.6F;
+            const float fade = (1 - u) * (1 - u) * (1 + 2 * u);
             m->shade[at] = fade * darker(m, &g, x, y);
         }
     tz_free(ctx, g.photo);
@@ -356,7 +360,7 @@ tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_
     const float band = (float)params->shadow, matte = (float)params->matte;
     tz_f4 *photo = NULL;
     *m = (tz_matte){.reach = fmaxf(matte + 4, shadow ? band + 5 : 0)};
-    m->box = outline_box(y, fmax(matte + 4, shadow ? band + 3 : 0), p->photo);
+    m->box = outline_box(y, fmax(matte + WINDOW + 1, shadow ? band + 6 : 0), p->photo);
     if (tz_rect_empty(m->box)) {
         m->box = (tz_rect){0, 0, 0, 0};
         return TZ_OK;
