@@ -41,11 +41,6 @@ static float opacity(const tz_image *photo, int32_t x, int32_t y)
     return photo->alpha >= 0 ? tz_image_at(photo, x, y)[photo->alpha] : 1;
 }
 
-static float luminance(tz_f4 v, int32_t colours)
-{
-    return colours < 3 ? v[0] : 0.2126F * v[0] + 0.7152F * v[1] + 0.0722F * v[2];
-}
-
 static float dot3(tz_f4 a, tz_f4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
 /* ---- outlines ------------------------------------------------------------------------ */
@@ -248,90 +243,6 @@ static void refine(const border *b, int32_t x, int32_t y, float *alpha, float co
     *alpha = a;
 }
 
-/* ---- shadows ------------------------------------------------------------------------- */
-
-/* Means of photo and plate where the ground is seen. */
-typedef struct ground {
-    float *photo, *plate; /* luminance; plate < 0 = not seen */
-} ground;
-
-static bool ground_seen(const tz_matte *m, const tz_matte_photo *p, int32_t x, int32_t y)
-{
-    const int32_t u = m->box.x + x, v = m->box.y + y, w = p->photo->width;
-    if (m->alpha[(int64_t)y * m->box.w + x] > 0.02F || u < 0 || v < 0 || u >= w ||
-        v >= p->photo->height)
-        return false;
-    for (int32_t j = v - 1; j <= v + 1; j++) /* others have soft borders too */
-        for (int32_t i = u - 1; i <= u + 1; i++)
-            if (i >= 0 && j >= 0 && i < w && j < p->photo->height &&
-                p->taken[(int64_t)j * w + i] &&
-                m->distance[(int64_t)y * m->box.w + x] < -2.5F)
-                return false;
-    return !p->taken[(int64_t)v * w + u];
-}
-
-/* How much darker the ground near (x, y) is than without things. Means before the ratio:
- * the mean of clamped ratios would darken what is only noisy. */
-static float darker(const tz_matte *m, const ground *g, int32_t x, int32_t y)
-{
-    enum { R = 3 };
-    float photo = 0, plate = 0;
-    for (int32_t v = y - R; v <= y + R; v++)
-        for (int32_t u = x - R; u <= x + R; u++) {
-            if (u < 0 || v < 0 || u >= m->box.w || v >= m->box.h)
-                continue;
-            const int64_t at = (int64_t)v * m->box.w + u;
-            if (g->plate[at] < 0)
-                continue;
-            const float t = 1 - (float)((u - x) * (u - x) + (v - y) * (v - y)) / 13;
-            const float w = t > 0 ? t * t * t : 0;
-            photo += w * g->photo[at];
-            plate += w * g->plate[at];
-        }
-    if (!(plate > 1e-6F))
-        return 0;
-    /* ground and plate are never the same grain by grain: little differences count less */
-    const float ratio = (photo + 1e-4F) / (plate + 1e-4F), grain = 0.06F;
-    const float dark = ratio >= 1 ? 0 : 1 - fmaxf(ratio, 0.15F);
-    return dark * dark * dark / (dark * dark + grain * grain);
-}
-
-static tz_status find_shade(tz_ctx *ctx, tz_matte *m, const tz_matte_photo *p,
-                            const tz_f4 *photo, float band)
-{
-    const int64_t n = (int64_t)m->box.w * m->box.h;
-    const int32_t colours = p->photo->channels - (p->photo->alpha >= 0);
-    ground g = {0};
-    tz_status s = tz_alloc_zero(ctx, &m->shade, (size_t)n, sizeof *m->shade);
-    if (s == TZ_OK)
-        s = tz_alloc(ctx, &g.photo, 2 * (size_t)n, sizeof *g.photo);
-    if (s != TZ_OK)
-        return s;
-    g.plate = g.photo + n;
-    for (int32_t y = 0; y < m->box.h; y++)
-        for (int32_t x = 0; x < m->box.w; x++) {
-            const int64_t at = (int64_t)y * m->box.w + x;
-            g.plate[at] = -1;
-            if (m->distance[at] < -(band + 4) || !ground_seen(m, p, x, y))
-                continue;
-            g.photo[at] = luminance(photo[at], colours);
-            g.plate[at] = luminance(
-                tz_photo_linear(p->plate, m->box.x + x, m->box.y + y, false), colours);
-        }
-    for (int32_t y = 0; y < m->box.h; y++)
-        for (int32_t x = 0; x < m->box.w; x++) {
-            const int64_t at = (int64_t)y * m->box.w + x;
-            const float t = -m->distance[at] / band;
-            if (t >= 1 || m->alpha[at] >= 1)
-                continue;
-            const float u = t < 0.4F ? 0 : (t - 0.4F) / 0.6F;
-            const float fade = (1 - u) * (1 - u) * (1 + 2 * u);
-            m->shade[at] = fade * darker(m, &g, x, y);
-        }
-    tz_free(ctx, g.photo);
-    return TZ_OK;
-}
-
 /* ---- all ----------------------------------------------------------------------------- */
 
 static tz_status find_area(tz_ctx *ctx, const tz_element_symbol *y, tz_matte *m)
@@ -359,8 +270,8 @@ tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_
     const bool shadow = params->shadow > 0 && p->plate && p->taken;
     const float band = (float)params->shadow, matte = (float)params->matte;
     tz_f4 *photo = NULL;
-    *m = (tz_matte){.reach = fmaxf(matte + 4, shadow ? band + 5 : 0)};
-    m->box = outline_box(y, fmax(matte + WINDOW + 1, shadow ? band + 6 : 0), p->photo);
+    *m = (tz_matte){.reach = fmaxf(matte + 4, shadow ? band + 7 : 0)};
+    m->box = outline_box(y, fmax(matte + WINDOW + 1, shadow ? band + 8 : 0), p->photo);
     if (tz_rect_empty(m->box)) {
         m->box = (tz_rect){0, 0, 0, 0};
         return TZ_OK;
@@ -395,7 +306,7 @@ tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_
                 refine(&b, u, v, &m->alpha[at], &m->colour[3 * at]);
         }
     if (shadow)
-        s = find_shade(ctx, m, p, photo, band);
+        s = tz_matte_shade(ctx, p, photo, band, m);
     for (size_t i = 0; i < n; i++)
         m->alpha[i] *= photo[i][3];
 done:

@@ -136,6 +136,10 @@ tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, tz_matte_photo 
 tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_photo *p,
                         const tz_element_render_params *params, tz_matte *m);
 void tz_matte_deinit(tz_ctx *ctx, tz_matte *m);
+/** Makes m->shade of a matte whose alpha and distances are known.
+ * @param photo  linear, of m->box  @param band  px */
+tz_status tz_matte_shade(tz_ctx *ctx, const tz_matte_photo *p, const tz_f4 *photo,
+                         float band, tz_matte *m);
 
 enum { TZ_CUTOUT_LEVELS = 20 };
 
