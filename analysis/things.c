@@ -33,9 +33,6 @@ static const tz_param rows[] = {
      "px", NULL, "how much outlines are smoothed"},
     {"certainty", TZ_PARAM_DOUBLE, offsetof(tz_things_params, certainty), 0, 1, "0.35",
      "", NULL, "what is less surely a thing than this is ground"},
-    {"model", TZ_PARAM_STRING, offsetof(tz_things_params, model), 0, 0, "", "", NULL,
-     "structured-forest model (.yml or .yml.gz); without one the one that Terrazzo "
-     "ships"},
 };
 
 const tz_param_table tz_things_param_table = {

@@ -20,7 +20,8 @@ typedef struct tz_things_params {
     double smoothing;     /**< px: deviation of the Gaussian that smooths outlines */
     double certainty;     /**< 0..1: what is less surely a thing is ground */
     char model
-        [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own */
+        [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own;
+                                     has no row: commands share that of tz_ebpt_params */
 } tz_things_params;
 TZ_API extern const tz_param_table tz_things_param_table;
 

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <string.h>
 
-#include "cli/elements.h"
+#include "cli/element_exemplar.h"
 #include "cli/exemplars.h"
+#include "cli/figures.h"
 #include "cli/material.h"
 #include "elements/element_io.h"
 
@@ -10,32 +12,38 @@ typedef struct values {
     tz_common_params common;
     tz_output_params output;
     tz_medium_params medium;
+    tz_things_params things;
     tz_ebpt_params analyze;
 } values;
 
-/** Elements of a drawing, as SVG, JSON or CSV. */
+/** Elements of a drawing or a photo, as SVG, JSON or CSV. */
 static tz_status run_elements(tz_cli *cli, const values *v)
 {
     const char *input = cli->operand[0], *output = v->output.output;
-    tz_element_set set = {0};
-    tz_path_list inputs = {0}, outputs = {0};
+    tz_element_exemplar e = {0};
+    tz_path_list outputs = {0};
     cli->piped = strcmp(output, "-") == 0;
     if (cli->piped && cli->common->json)
         return tz_cli_usage(cli, "--json and the elements both want standard output");
     tz_status s = tz_element_write_check(cli->ctx, output);
     if (s == TZ_OK)
-        s = tz_paths_add(cli->ctx, &inputs, input);
+        s = tz_element_exemplar_read(cli, input, &v->medium, &v->things, v->analyze.model,
+                                     NULL, &e);
     if (s == TZ_OK)
         s = tz_paths_add(cli->ctx, &outputs, output);
     if (s == TZ_OK)
-        s = tz_outputs_check(cli->ctx, &inputs, &outputs);
+        s = tz_element_exemplar_name_plate(cli, output, &outputs, &e);
     if (s == TZ_OK)
-        s = tz_elements_read(cli, input, &v->medium, NULL, &set);
-    if (s == TZ_OK) {
-        s = tz_element_write(cli->ctx, output, &set);
-        tz_element_set_deinit(&set);
-    }
-    tz_paths_free(cli->ctx, &inputs);
+        s = tz_outputs_check(cli->ctx, &e.inputs, &outputs);
+    if (s == TZ_OK)
+        s = tz_element_exemplar_write_plate(cli, &e);
+    if (s == TZ_OK)
+        s = tz_element_write(cli->ctx, output, &e.set);
+    if (s == TZ_OK)
+        tz_figures_output(cli, output, "elements",
+                          (int32_t)fmin(2e9, rint(e.set.domain.size.x)),
+                          (int32_t)fmin(2e9, rint(e.set.domain.size.y)));
+    tz_element_exemplar_free(cli, &e);
     tz_paths_free(cli->ctx, &outputs);
     return s;
 }
@@ -90,6 +98,7 @@ static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&tz_output_param_table, offsetof(values, output), false},
     {&tz_medium_param_table, offsetof(values, medium), false},
+    {&tz_things_param_table, offsetof(values, things), false},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
 };
 static const tz_example examples[] = {
@@ -97,6 +106,8 @@ static const tz_example examples[] = {
      "terrazzo analyze rocks.jpg -o rocks.svg"},
     {"More and smaller groups:",
      "terrazzo analyze gravel.png -o gravel.svg --groups 600"},
+    {"The stones of a photo, cut out along their outlines:",
+     "terrazzo analyze rocks.jpg --as elements -o stones.svg"},
     {"The elements of a drawing, as a table:",
      "terrazzo analyze leaves.svg --as elements -o leaves.csv"},
 };
@@ -108,10 +119,13 @@ const tz_command tz_analyze_command = {
         "Writes the photo's regions, its edges and its edge groups as one SVG document "
         "that arrange and expand take in place of the photo. The document refers to the "
         "photo, so keep both together.\n\n"
-        "With --as elements, finds the elements of an SVG drawing (stones, leaves, "
-        "tiles, "
-        "icons: each <use>, each group of touching shapes, each other shape) with class, "
-        "position, angle, scale and radius, and writes them as .svg, .json or .csv.",
+        "Of an SVG drawing it finds the elements (stones, leaves, tiles, icons: each "
+        "<use>, "
+        "each group of touching shapes, each other shape) with class, position, angle, "
+        "scale and radius, and writes them as .svg, .json or .csv. With --as elements it "
+        "cuts the things (pebbles, setts, leaves, tiles) out of a photo; what lies "
+        "beneath "
+        "them goes to NAME.plate.png beside the SVG.",
     .min_operands = 1,
     .max_operands = 1,
     .group = groups,

@@ -14,6 +14,7 @@ typedef struct values {
     tz_output_params output;
     arrange_params own;
     tz_medium_params medium;
+    tz_things_params things;
     tz_guide_params guides;
     tz_element_arrange_params elements;
     tz_rules_params rules;
@@ -140,9 +141,9 @@ done:
 static tz_status run(tz_cli *cli)
 {
     const values *v = cli->values;
-    const tz_elements_job job = {v->output.output, v->own.keep, &v->medium,
-                                 &v->elements,     &v->guides,  &v->arrange,
-                                 v->growth.grow};
+    const tz_elements_job job = {v->output.output, v->own.keep,  &v->medium,
+                                 &v->things,       &v->elements, &v->guides,
+                                 &v->arrange,      &v->analyze,  v->growth.grow};
     tz_as as;
     if (!*v->output.output)
         return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
@@ -157,6 +158,7 @@ static const tz_option_group groups[] = {
     {&tz_output_param_table, offsetof(values, output), false},
     {&own_table, offsetof(values, own), true},
     {&tz_medium_param_table, offsetof(values, medium), true},
+    {&tz_things_param_table, offsetof(values, things), true},
     {&tz_guide_param_table, offsetof(values, guides), true},
     {&tz_element_arrange_param_table, offsetof(values, elements), true},
     {&tz_rules_param_table, offsetof(values, rules), true},

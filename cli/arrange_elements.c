@@ -7,31 +7,17 @@
 #include "cli/figures.h"
 #include "cli/material.h"
 #include "elements/element_io.h"
+#include "synthesis/element_ground.h"
 
 typedef struct run_state {
     tz_cli *cli;
     const tz_elements_job *job;
     tz_record record;
-    tz_path_list inputs;
-    tz_element_set exemplar, layout;
+    tz_element_exemplar exemplar;
+    tz_element_set layout;
     tz_guides guides;
     char *path;
 } run_state;
-
-/** Domain of the layout: --size in the drawing's units, else its own times --grow. */
-static tz_status settle_domain(run_state *r, tz_domain *d)
-{
-    const tz_elements_job *j = r->job;
-    *d = (tz_domain){.size = r->exemplar.domain.size, .torus = j->arrange->tile};
-    if (tz_cli_given(r->cli, "size")) {
-        d->size.x = j->arrange->size[0];
-        d->size.y = j->arrange->size[1];
-    } else {
-        d->size.x *= j->grow;
-        d->size.y *= j->grow;
-    }
-    return TZ_OK;
-}
 
 static tz_status name_output(run_state *r, const tz_domain *d)
 {
@@ -54,13 +40,13 @@ static tz_status name_output(run_state *r, const tz_domain *d)
     if (s == TZ_OK)
         s = tz_element_write_check(cli->ctx, r->path);
     if (s == TZ_OK)
-        s = tz_paths_add(cli->ctx, &r->inputs, tz_cli_find(cli, cli->operand[0]));
-    if (s == TZ_OK)
-        s = tz_guides_paths(cli, r->job->guides, &r->inputs);
+        s = tz_guides_paths(cli, r->job->guides, &r->exemplar.inputs);
     if (s == TZ_OK)
         s = tz_paths_add(cli->ctx, &outputs, r->path);
     if (s == TZ_OK)
-        s = tz_outputs_check(cli->ctx, &r->inputs, &outputs);
+        s = tz_element_exemplar_name_plate(cli, r->path, &outputs, &r->exemplar);
+    if (s == TZ_OK)
+        s = tz_outputs_check(cli->ctx, &r->exemplar.inputs, &outputs);
     tz_paths_free(cli->ctx, &outputs);
     return s;
 }
@@ -69,9 +55,12 @@ static tz_status arrange(run_state *r)
 {
     tz_cli *cli = r->cli;
     tz_element_arrange_report report;
-    tz_status s =
-        tz_element_arrange(cli->ctx, &r->exemplar, cli->operand[0], r->job->elements,
-                           r->job->arrange->seed, &r->layout, &report);
+    tz_element_arrange_job job = {.exemplar = &r->exemplar.set,
+                                  .name = cli->operand[0],
+                                  .params = r->job->elements,
+                                  .seed = r->job->arrange->seed};
+    tz_guides_apply(&r->guides, &job);
+    tz_status s = tz_element_arrange(cli->ctx, &job, &r->layout, &report);
     if (s != TZ_OK)
         return s;
     tz_figures_seconds(cli, "grow", report.grow);
@@ -81,40 +70,65 @@ static tz_status arrange(run_state *r)
     return TZ_OK;
 }
 
+/** Ground beneath things of a photo, in documents that show it. */
+static tz_status lay_ground(run_state *r, const tz_domain *d)
+{
+    tz_cli *cli = r->cli;
+    tz_layout ground = {0};
+    if (!tz_path_is_svg(r->path) && strcmp(r->path, "-") != 0)
+        return TZ_OK;
+    tz_status s = tz_element_exemplar_ground(cli, &r->exemplar, r->job->analyze, d,
+                                             r->job->arrange->seed, &ground);
+    if (s == TZ_OK && ground.place.n > 0)
+        s = tz_element_ground_embed(cli->ctx, r->path, &ground, &r->layout);
+    tz_layout_deinit(&ground);
+    return s;
+}
+
+static tz_status write_layout(run_state *r, const tz_domain *d)
+{
+    tz_cli *cli = r->cli;
+    const double start = tz_seconds();
+    tz_status s = tz_record_text(cli, &r->record, NULL, "layout", &r->layout.recipe);
+    if (s == TZ_OK)
+        s = tz_element_write(cli->ctx, r->path, &r->layout);
+    if (s != TZ_OK)
+        return s;
+    tz_figures_seconds(cli, "write", tz_seconds() - start);
+    tz_figures_output(cli, r->path, "layout", (int32_t)fmin(2e9, rint(d->size.x)),
+                      (int32_t)fmin(2e9, rint(d->size.y)));
+    return TZ_OK;
+}
+
 tz_status tz_arrange_elements(tz_cli *cli, const tz_elements_job *job)
 {
     run_state r = {.cli = cli, .job = job};
-    tz_domain d;
+    tz_domain d = {.torus = false};
     if (cli->operands != 1)
-        return tz_cli_usage(cli, "elements are arranged from one drawing; put several "
-                                 "exemplars into one SVG");
-    tz_status s =
-        tz_elements_read(cli, cli->operand[0], job->medium, &r.record, &r.exemplar);
-    if (s == TZ_OK)
-        s = settle_domain(&r, &d);
-    if (s == TZ_OK)
+        return tz_cli_usage(cli, "elements are arranged from one drawing or photo; put "
+                                 "several exemplars into one SVG");
+    tz_status s = tz_element_exemplar_read(cli, cli->operand[0], job->medium, job->things,
+                                           job->analyze->model, &r.record, &r.exemplar);
+    if (s == TZ_OK) {
+        d = tz_element_domain(cli, &r.exemplar.set, job->arrange, job->grow);
         s = name_output(&r, &d);
+    }
     if (s == TZ_OK)
-        s = tz_guides_read(cli, job->guides, &r.exemplar, &r.record, &d, &r.guides);
+        s = tz_guides_read(cli, job->guides, &r.exemplar.set, &r.record, &d, &r.guides);
     if (s == TZ_OK)
-        s = tz_element_set_like(cli->ctx, &r.exemplar, &d, &r.layout);
+        s = tz_element_exemplar_write_plate(cli, &r.exemplar);
+    if (s == TZ_OK)
+        s = tz_element_set_like(cli->ctx, &r.exemplar.set, &d, &r.layout);
     if (s == TZ_OK)
         s = arrange(&r);
-    const double start = tz_seconds();
     if (s == TZ_OK)
-        s = tz_record_text(cli, &r.record, NULL, "layout", &r.layout.recipe);
+        s = lay_ground(&r, &d);
     if (s == TZ_OK)
-        s = tz_element_write(cli->ctx, r.path, &r.layout);
-    if (s == TZ_OK) {
-        tz_figures_seconds(cli, "write", tz_seconds() - start);
-        tz_figures_output(cli, r.path, "layout", (int32_t)fmin(2e9, rint(d.size.x)),
-                          (int32_t)fmin(2e9, rint(d.size.y)));
-    }
+        s = write_layout(&r, &d);
     tz_element_set_deinit(&r.layout);
-    tz_element_set_deinit(&r.exemplar);
+    tz_element_exemplar_free(cli, &r.exemplar);
     tz_guides_free(&r.guides);
     tz_record_free(cli, &r.record);
-    tz_paths_free(cli->ctx, &r.inputs);
     tz_free(cli->ctx, r.path);
     return s;
 }

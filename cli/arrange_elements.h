@@ -4,15 +4,17 @@
 #ifndef TZ_CLI_ARRANGE_ELEMENTS_H
 #define TZ_CLI_ARRANGE_ELEMENTS_H
 
-#include "cli/elements.h"
+#include "cli/element_exemplar.h"
 #include "cli/exemplars.h"
 
 typedef struct tz_elements_job {
     const char *output, *keep;
     const tz_medium_params *medium;
+    const tz_things_params *things;
     const tz_element_arrange_params *elements;
     const tz_guide_params *guides;
     const tz_arrange_params *arrange; /**< size, seed, tile */
+    const tz_ebpt_params *analyze;    /**< of the ground */
     double grow;
 } tz_elements_job;
 

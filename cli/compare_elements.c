@@ -79,7 +79,7 @@ tz_status tz_compare_elements(tz_cli *cli)
     tz_params_default(&tz_medium_param_table, &medium);
     tz_status s = TZ_OK;
     for (int i = 0; i < 2 && s == TZ_OK; i++)
-        s = tz_elements_read(cli, cli->operand[i], &medium, NULL, &set[i]);
+        s = tz_elements_read(cli, cli->operand[i], &medium, 0, NULL, &set[i]);
     const double start = tz_seconds();
     if (s == TZ_OK)
         s = tz_element_compare(cli->ctx, &set[0], &set[1], &q);

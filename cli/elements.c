@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/elements.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -19,9 +20,6 @@ static const tz_param medium_rows[] = {
     {"wrap", TZ_PARAM_BOOL, AT(wrap), 0, 1, "false", "", NULL,
      "Elements: the drawing is a tile that repeats (--no-wrap: it is none); found out "
      "where neither is given."},
-    {"classes", TZ_PARAM_INT, AT(classes), 0, 64, "0", "", NULL,
-     "Elements: how many classes to sort those into that the drawing does not name; 0 = "
-     "as many as look different."},
 };
 #undef AT
 const tz_param_table tz_medium_param_table = {
@@ -45,6 +43,15 @@ static const tz_param guide_rows[] = {
      "Elements: classes of each colour of --zones: "
      "\"#ff0000=leaf,flower;#0000ff=stone\"; "
      "other colours allow all."},
+    {"textures", TZ_PARAM_STRING, AT(textures), 0, 0, "", "LIST", NULL,
+     "Elements: exemplars of one drawing that go into the layout, such as "
+     "\"frame=0,0,480,480 scale=0.5 zone=1; kinds=leaf,stone zone=2\": a frame of the "
+     "drawing, the scale of copies, the n-th colour of --zone-kinds, a selection."},
+    {"brush", TZ_PARAM_STRING, AT(brush), 0, 0, "", "FILE", NULL,
+     "Elements: SVG of strokes that are painted instead of filling the layout: black "
+     "grows, red erases, blue relaxes, green fills the room that it begins in."},
+    {"brush-radius", TZ_PARAM_DOUBLE, AT(brush_radius), 0, 1e9, "0", "", NULL,
+     "Elements: radius of all strokes, user units; 0 = half of each stroke's width."},
 };
 #undef AT
 const tz_param_table tz_guide_param_table = {
@@ -106,11 +113,11 @@ tz_status tz_medium_settle(tz_cli *cli, const char *path, const tz_medium_params
 }
 
 tz_status tz_elements_read(tz_cli *cli, const char *path, const tz_medium_params *p,
-                           tz_record *record, tz_element_set *set)
+                           int32_t classes, tz_record *record, tz_element_set *set)
 {
     const bool known = tz_cli_given(cli, "wrap");
     const tz_element_read_options options = {
-        .wrap = known && p->wrap, .wrap_auto = !known, .classes = p->classes};
+        .wrap = known && p->wrap, .wrap_auto = !known, .classes = classes};
     const double start = tz_seconds();
     tz_status s = record ? tz_record_input(cli, record, path, NULL) : TZ_OK;
     if (s == TZ_OK)
@@ -135,9 +142,9 @@ static bool is_file(const tz_cli *cli, const char *text)
 
 tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs)
 {
-    const char *file[3] = {p->domain, p->field, p->zones};
+    const char *file[4] = {p->domain, p->field, p->zones, p->brush};
     tz_status s = TZ_OK;
-    for (int i = 0; i < 3 && s == TZ_OK; i++)
+    for (int i = 0; i < 4 && s == TZ_OK; i++)
         if (*file[i] && (i != 1 || is_file(cli, file[i])))
             s = tz_paths_add(cli->ctx, inputs, tz_cli_find(cli, file[i]));
     return s;
@@ -158,11 +165,24 @@ static tz_status read_zones(tz_cli *cli, const tz_guide_params *p,
     return s;
 }
 
+static tz_status read_brush(tz_cli *cli, const tz_guide_params *p,
+                            const tz_element_set *exemplar, tz_record *record,
+                            const tz_domain *d, tz_guides *g)
+{
+    const tz_vec3 size = exemplar->domain.size;
+    const double spacing = sqrt(size.x * size.y / fmax(1, exemplar->element.n));
+    tz_status s = tz_record_input(cli, record, p->brush, NULL);
+    return s == TZ_OK ? tz_paint_read(cli->ctx, tz_cli_find(cli, p->brush), d->size,
+                                      p->brush_radius, spacing, &g->paint)
+                      : s;
+}
+
 tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
                          const tz_element_set *kinds, tz_record *record, tz_domain *d,
                          tz_guides *g)
 {
     tz_status s = TZ_OK;
+    g->ctx = cli->ctx;
     if (*p->zone_kinds && !*p->zones)
         return tz_fail(
             cli->ctx, TZ_INVALID,
@@ -188,6 +208,10 @@ tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
         if (s == TZ_OK)
             s = read_zones(cli, p, kinds, d, g);
     }
+    if (s == TZ_OK && *p->textures)
+        s = tz_palette_parse(cli->ctx, p->textures, kinds, &g->palette);
+    if (s == TZ_OK && *p->brush)
+        s = read_brush(cli, p, kinds, record, d, g);
     if (s == TZ_OK) {
         d->region = g->region;
         d->frames = g->frames;
@@ -201,5 +225,14 @@ void tz_guides_free(tz_guides *g)
     tz_region_free(g->region);
     tz_frames_free(g->frames);
     tz_zones_free(g->zones);
+    tz_array_free(g->ctx, &g->palette);
+    tz_paint_deinit(&g->paint);
     *g = (tz_guides){0};
+}
+
+void tz_guides_apply(const tz_guides *g, tz_element_arrange_job *job)
+{
+    job->texture = g->palette.v;
+    job->textures = g->palette.n;
+    job->paint = g->paint.stroke.n > 0 ? &g->paint : NULL;
 }

@@ -8,6 +8,7 @@
 #include "cli/names.h"
 #include "cli/record.h"
 #include "elements/element_arrange.h"
+#include "elements/palette.h"
 
 /** What a picture is taken as. */
 typedef enum tz_as { TZ_AS_AUTO, TZ_AS_EDGES, TZ_AS_ELEMENTS } tz_as;
@@ -16,14 +17,15 @@ typedef enum tz_as { TZ_AS_AUTO, TZ_AS_EDGES, TZ_AS_ELEMENTS } tz_as;
 typedef struct tz_medium_params {
     int32_t as; /**< tz_as */
     bool wrap;
-    int32_t classes;
 } tz_medium_params;
 extern const tz_param_table tz_medium_param_table;
 
 /** Table: tz_guide_param_table. */
 typedef struct tz_guide_params {
     char domain[TZ_PARAM_STRING_SIZE], field[TZ_PARAM_STRING_SIZE],
-        zones[TZ_PARAM_STRING_SIZE], zone_kinds[TZ_PARAM_STRING_SIZE];
+        zones[TZ_PARAM_STRING_SIZE], zone_kinds[TZ_PARAM_STRING_SIZE],
+        textures[TZ_PARAM_STRING_SIZE], brush[TZ_PARAM_STRING_SIZE];
+    double brush_radius;
 } tz_guide_params;
 extern const tz_param_table tz_guide_param_table;
 
@@ -36,15 +38,19 @@ tz_status tz_medium_settle(tz_cli *cli, const char *path, const tz_medium_params
                            tz_as *as);
 
 /** Reads elements out of a drawing or an element document, and records it.
+ * @param classes         wanted ones where the document names none; 0 = automatic
  * @param[in,out] record  NULL, or what inputs are added to */
 tz_status tz_elements_read(tz_cli *cli, const char *path, const tz_medium_params *p,
-                           tz_record *record, tz_element_set *set);
+                           int32_t classes, tz_record *record, tz_element_set *set);
 
 /** Guides of one domain. */
 typedef struct tz_guides {
     tz_region *region;
     tz_frames *frames;
     tz_zones *zones;
+    tz_palette palette;
+    tz_paint paint;
+    tz_ctx *ctx;
 } tz_guides;
 
 /** Reads the guides that are given into `guides` and sets them in `d`, whose size and
@@ -55,5 +61,7 @@ tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
 /** Every guide that is a file, as inputs that must not be overwritten. */
 tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs);
 void tz_guides_free(tz_guides *g);
+/** Sets the job's textures and strokes. */
+void tz_guides_apply(const tz_guides *g, tz_element_arrange_job *job);
 
 #endif

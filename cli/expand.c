@@ -4,21 +4,21 @@
 #include <string.h>
 
 #include "cli/exemplars.h"
+#include "cli/expand_elements.h"
+#include "cli/expand_plan.h"
 #include "cli/figures.h"
-#include "cli/material.h"
-
-typedef struct expand_params {
-    char seeds[TZ_PARAM_STRING_SIZE];
-    char save_exemplar[TZ_PARAM_STRING_SIZE];
-    char save_layout[TZ_PARAM_STRING_SIZE];
-} expand_params;
 
 typedef struct values {
     tz_common_params common;
     tz_output_params output;
     tz_map_output_params map_output;
-    expand_params own;
+    tz_expand_params own;
     tz_maps_params maps;
+    tz_medium_params medium;
+    tz_things_params things;
+    tz_guide_params guides;
+    tz_element_arrange_params elements;
+    tz_element_render_params look;
     tz_rules_params rules;
     tz_enlarge_params growth;
     tz_arrange_params arrange;
@@ -27,80 +27,29 @@ typedef struct values {
     tz_format_params format;
 } values;
 
-static const tz_param own_rows[] = {
-    {"seeds", TZ_PARAM_STRING, offsetof(expand_params, seeds), 0, 0, "", "SEEDS", NULL,
-     "Makes one variant a seed: 1..8, or 1,4,10..12. The names need {seed}."},
-    {"save-exemplar", TZ_PARAM_STRING, offsetof(expand_params, save_exemplar), 0, 0, "",
-     "FILE", NULL, "Also writes the (first) exemplar as SVG."},
-    {"save-layout", TZ_PARAM_STRING, offsetof(expand_params, save_layout), 0, 0, "",
-     "FILE", NULL, "Also writes the layout as SVG; edit it and render it again."},
-};
-static const tz_param_table own_table = {"expand", "What to make.", own_rows,
-                                         sizeof own_rows / sizeof own_rows[0],
-                                         sizeof(expand_params)};
-
 /* Everything of a run that several steps need. */
 typedef struct job {
     tz_cli *cli;
     values *v;
-    tz_seed_list seeds;
+    tz_expand_plan plan;
     tz_exemplars exemplars;
     tz_map_list maps;
     tz_record record;
-    tz_path_list layouts;     /* one a seed, or none */
-    tz_picture_list pictures; /* all seeds */
-    int32_t *first;           /* seeds.n + 1 offsets into pictures */
 } job;
 
-static tz_status plan_seed(job *j, int32_t i, tz_path_list *outputs)
+static tz_status name_pictures(tz_cli *cli, void *user, tz_name_values v,
+                               tz_picture_list *out)
 {
-    char stem[TZ_PARAM_STRING_SIZE];
-    tz_cli *cli = j->cli;
-    const char *photo = cli->operand[0], *ext = tz_path_extension(photo);
-    tz_path_stem(photo, stem, sizeof stem);
-    const tz_name_values v = {stem,
-                              *ext && !tz_path_is_svg(photo) ? ext : "png",
-                              "layout",
-                              j->seeds.v[i],
-                              j->v->arrange.size[0],
-                              j->v->arrange.size[1]};
-    tz_status s = TZ_OK;
-    if (*j->v->own.save_layout && tz_cli_makes(cli, "layout")) {
-        char *path = NULL;
-        s = tz_name_expand(cli->ctx, j->v->own.save_layout, &v, &path);
-        if (s == TZ_OK)
-            s = tz_paths_add(cli->ctx, &j->layouts, path);
-        if (s == TZ_OK)
-            s = tz_paths_add(cli->ctx, outputs, path);
-        cli->piped = cli->piped || (path && strcmp(path, "-") == 0);
-        tz_free(cli->ctx, path);
-    }
-    j->first[i] = j->pictures.n;
-    if (s == TZ_OK && *j->v->output.output)
-        s = tz_pictures_plan(cli, j->v->output.output, j->v->map_output.map_output,
-                             &j->maps, v, &j->pictures);
-    j->first[i + 1] = j->pictures.n;
-    for (int32_t k = j->first[i]; s == TZ_OK && k < j->pictures.n; k++)
-        s = tz_paths_add(cli->ctx, outputs, j->pictures.v[k].path);
-    return s;
+    const job *j = user;
+    return tz_pictures_plan(cli, j->v->output.output, j->v->map_output.map_output,
+                            &j->maps, v, out);
 }
 
-/* Names and checks every output before the work begins. */
-static tz_status plan(job *j)
+/* Files that must not be overwritten, besides the exemplars themselves. */
+static tz_status list_inputs(job *j)
 {
-    tz_path_list outputs = {0};
     tz_cli *cli = j->cli;
-    const char *exemplar = j->v->own.save_exemplar;
-    if (!*j->v->output.output && !*j->v->own.save_layout && !*exemplar)
-        return tz_cli_usage(cli, "no output; give one with -o FILE");
-    tz_status s =
-        tz_alloc_zero(cli->ctx, &j->first, (size_t)j->seeds.n + 1, sizeof *j->first);
-    for (int32_t i = 0; s == TZ_OK && i < j->seeds.n; i++)
-        s = plan_seed(j, i, &outputs);
-    if (s == TZ_OK && *exemplar) {
-        cli->piped = cli->piped || strcmp(exemplar, "-") == 0;
-        s = tz_paths_add(cli->ctx, &outputs, exemplar);
-    }
+    tz_status s = TZ_OK;
     for (int32_t i = 0; s == TZ_OK && i < j->maps.n; i++)
         for (int32_t k = 0; s == TZ_OK && k < j->maps.v[i].path.n; k++)
             s = tz_paths_add(cli->ctx, &j->exemplars.input,
@@ -108,16 +57,6 @@ static tz_status plan(job *j)
     if (s == TZ_OK && *j->v->rules.rules)
         s = tz_paths_add(cli->ctx, &j->exemplars.input,
                          tz_cli_find(cli, j->v->rules.rules));
-    if (s == TZ_OK && cli->piped && cli->common->json)
-        s = tz_cli_usage(cli, "--json and an output both want standard output");
-    if (s == TZ_OK)
-        s = tz_outputs_check(cli->ctx, &j->exemplars.input, &outputs);
-    if (s == TZ_OK)
-        s = tz_pictures_check(cli, &j->pictures, &j->v->format);
-    tz_rect crop;
-    if (s == TZ_OK && j->pictures.n)
-        s = tz_crop_settle(cli->ctx, j->v->arrange.size, &j->v->compose, &crop);
-    tz_paths_free(cli->ctx, &outputs);
     return s;
 }
 
@@ -126,9 +65,9 @@ static tz_status one_seed(job *j, int32_t i)
     tz_cli *cli = j->cli;
     values *v = j->v;
     tz_layout l = {0};
-    const char *document = j->layouts.n ? j->layouts.v[i] : NULL;
+    const char *document = j->plan.layouts.n ? j->plan.layouts.v[i] : NULL;
     double start = tz_seconds();
-    v->arrange.seed = j->seeds.v[i];
+    v->arrange.seed = j->plan.seeds.v[i];
     tz_status s = tz_expand_arrange(cli->ctx, j->exemplars.v, j->exemplars.n,
                                     tz_cli_find(cli, v->rules.rules), &v->arrange, &l);
     if (s != TZ_OK)
@@ -151,7 +90,8 @@ static tz_status one_seed(job *j, int32_t i)
         photos[k] = j->exemplars.v[k].photo;
     const tz_material m = {&l,          photos,     j->exemplars.n, &j->maps,
                            &v->compose, &v->format, &j->record};
-    s = tz_pictures_render(cli, &m, &j->pictures, j->first[i], j->first[i + 1]);
+    s = tz_pictures_render(cli, &m, &j->plan.pictures, j->plan.first[i],
+                           j->plan.first[i + 1]);
     tz_free(cli->ctx, photos);
 done:
     tz_layout_deinit(&l);
@@ -162,11 +102,15 @@ static tz_status prepare(job *j)
 {
     tz_cli *cli = j->cli;
     values *v = j->v;
-    tz_status s = TZ_OK;
-    if (*v->own.seeds)
-        s = tz_seeds_parse(cli->ctx, v->own.seeds, &j->seeds);
-    else
-        s = tz_array_push(cli->ctx, &j->seeds, v->arrange.seed);
+    tz_rect crop;
+    tz_expand_wish w = {.own = &v->own,
+                        .output = v->output.output,
+                        .format = &v->format,
+                        .seed = v->arrange.seed,
+                        .inputs = &j->exemplars.input,
+                        .pictures = name_pictures,
+                        .user = j};
+    tz_status s = tz_expand_seeds(cli, &w, &j->plan);
     if (s == TZ_OK)
         s = tz_maps_parse(cli->ctx, v->maps.maps, cli->operands, &j->maps);
     if (s == TZ_OK)
@@ -175,7 +119,15 @@ static tz_status prepare(job *j)
         s = tz_record_rules(cli, &j->record, v->rules.rules);
     if (s == TZ_OK)
         s = tz_arrange_settle(cli, &j->exemplars, v->growth.grow, &v->arrange);
-    return s == TZ_OK ? plan(j) : s;
+    if (s == TZ_OK)
+        s = list_inputs(j);
+    w.width = v->arrange.size[0];
+    w.height = v->arrange.size[1];
+    if (s == TZ_OK)
+        s = tz_expand_plan_make(cli, &w, &j->plan);
+    if (s == TZ_OK && j->plan.pictures.n)
+        s = tz_crop_settle(cli->ctx, v->arrange.size, &v->compose, &crop);
+    return s;
 }
 
 static tz_status check_maps(job *j)
@@ -189,7 +141,7 @@ static tz_status check_maps(job *j)
     return s;
 }
 
-static tz_status run(tz_cli *cli)
+static tz_status run_edges(tz_cli *cli)
 {
     job j = {.cli = cli, .v = cli->values};
     tz_status s = prepare(&j);
@@ -199,25 +151,43 @@ static tz_status run(tz_cli *cli)
         s = tz_exemplars_analyze(cli, &j.v->analyze, &j.exemplars);
     if (s == TZ_OK && *j.v->own.save_exemplar)
         s = tz_exemplars_write(cli, &j.exemplars, 0, j.v->own.save_exemplar);
-    bool layout = j.layouts.n || j.pictures.n;
-    for (int32_t i = 0; s == TZ_OK && layout && i < j.seeds.n; i++)
+    bool layout = j.plan.layouts.n || j.plan.pictures.n;
+    for (int32_t i = 0; s == TZ_OK && layout && i < j.plan.seeds.n; i++)
         s = one_seed(&j, i);
-    tz_array_free(cli->ctx, &j.seeds);
     tz_exemplars_free(cli, &j.exemplars);
     tz_maps_free(cli->ctx, &j.maps);
     tz_record_free(cli, &j.record);
-    tz_paths_free(cli->ctx, &j.layouts);
-    tz_pictures_free(cli->ctx, &j.pictures);
-    tz_free(cli->ctx, j.first);
+    tz_expand_plan_free(cli, &j.plan);
     return s;
+}
+
+static tz_status run(tz_cli *cli)
+{
+    values *v = cli->values;
+    const tz_expand_elements_job job = {
+        &v->own,      v->output.output, v->map_output.map_output,
+        v->maps.maps, &v->medium,       &v->things,
+        &v->guides,   &v->elements,     &v->look,
+        &v->compose,  &v->format,       &v->analyze,
+        &v->arrange,  v->growth.grow};
+    tz_as as;
+    tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
+    if (s != TZ_OK)
+        return s;
+    return as == TZ_AS_ELEMENTS ? tz_expand_elements(cli, &job) : run_edges(cli);
 }
 
 static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&tz_output_param_table, offsetof(values, output), false},
     {&tz_map_output_param_table, offsetof(values, map_output), false},
-    {&own_table, offsetof(values, own), false},
+    {&tz_expand_param_table, offsetof(values, own), false},
     {&tz_maps_param_table, offsetof(values, maps), true},
+    {&tz_medium_param_table, offsetof(values, medium), true},
+    {&tz_things_param_table, offsetof(values, things), true},
+    {&tz_guide_param_table, offsetof(values, guides), true},
+    {&tz_element_arrange_param_table, offsetof(values, elements), true},
+    {&tz_element_render_param_table, offsetof(values, look), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
     {&tz_enlarge_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
@@ -240,7 +210,7 @@ static const tz_example examples[] = {
 };
 const tz_command tz_expand_command = {
     .name = "expand",
-    .operands = "PHOTO... -o OUTPUT",
+    .operands = "PHOTO...|DRAWING -o OUTPUT",
     .summary = "Makes a large texture from a small photo.",
     .about =
         "Finds out what the photos are made of, arranges copies of those pieces over the "

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "cli/elements.h"
 #include "cli/exemplars.h"
 #include "cli/figures.h"
 #include "cli/material.h"
+#include "cli/render_elements.h"
 
 typedef struct values {
     tz_common_params common;
@@ -11,6 +13,7 @@ typedef struct values {
     tz_map_output_params map_output;
     tz_maps_params maps;
     tz_compose_params compose;
+    tz_element_render_params look;
     tz_format_params format;
 } values;
 
@@ -118,11 +121,9 @@ static tz_status plan(job *j)
     return s;
 }
 
-static tz_status run(tz_cli *cli)
+static tz_status run_edges(tz_cli *cli)
 {
     job j = {.cli = cli, .v = cli->values};
-    if (!*j.v->output.output)
-        return tz_cli_usage(cli, "no output; give one with -o FILE");
     tz_status s = read_all(&j);
     if (s == TZ_OK)
         s = plan(&j);
@@ -143,12 +144,28 @@ static tz_status run(tz_cli *cli)
     return s;
 }
 
+static tz_status run(tz_cli *cli)
+{
+    const values *v = cli->values;
+    const tz_render_elements_job job = {v->output.output, v->map_output.map_output,
+                                        v->maps.maps,     &v->compose,
+                                        &v->look,         &v->format};
+    char kind[32] = "";
+    if (!*v->output.output)
+        return tz_cli_usage(cli, "no output; give one with -o FILE");
+    tz_status s = tz_document_kind(cli, cli->operand[0], kind);
+    if (s != TZ_OK)
+        return s;
+    return strcmp(kind, "elements") == 0 ? tz_render_elements(cli, &job) : run_edges(cli);
+}
+
 static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&tz_output_param_table, offsetof(values, output), false},
     {&tz_map_output_param_table, offsetof(values, map_output), false},
     {&tz_maps_param_table, offsetof(values, maps), true},
     {&tz_compose_param_table, offsetof(values, compose), true},
+    {&tz_element_render_param_table, offsetof(values, look), true},
     {&tz_format_param_table, offsetof(values, format), true},
 };
 static const tz_example examples[] = {
@@ -157,6 +174,8 @@ static const tz_example examples[] = {
      "terrazzo render layout.svg -o piece.png --crop 1024,512,256,256"},
     {"A map of the material too, with the same seams:",
      "terrazzo render layout.svg -o wall.png --maps rough=rocks.jpg"},
+    {"A layout of elements, and pictures of which one lies where:",
+     "terrazzo render pebbles_big.svg -o big.png --maps id=ids.exr,uv=uv.exr"},
 };
 const tz_command tz_render_command = {
     .name = "render",
@@ -165,7 +184,12 @@ const tz_command tz_render_command = {
     .about =
         "Takes a layout from arrange or expand --save-layout, as it is or after it was "
         "edited by hand, and composites the photos' pixels along it. Any crop comes out "
-        "exactly as in the whole.",
+        "exactly as in the whole.\n\n"
+        "A layout of elements is drawn: vectors at any --resolution, things cut from a "
+        "photo with soft borders and their shadows over the synthesized ground. In "
+        "--maps, "
+        "id, class, angle and uv name the files that pictures of which element lies "
+        "where, its class, angle and place in the photo are written to.",
     .min_operands = 1,
     .max_operands = 1,
     .group = groups,

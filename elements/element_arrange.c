@@ -81,15 +81,19 @@ static double wanted(const tz_element_set *exemplar, const tz_element_set *layou
            tz_domain_area(&exemplar->domain);
 }
 
-static tz_status grow(tz_ctx *ctx, const tz_element_set *exemplar,
-                      const tz_element_arrange_params *p, uint64_t seed,
-                      tz_element_set *layout)
+/** Grows, or paints. @param[out] told  how far it has come */
+static tz_status grow(tz_ctx *ctx, const tz_element_arrange_job *job,
+                      tz_element_set *layout, tz_growth_report *told)
 {
+    const tz_element_arrange_params *p = job->params;
+    static const tz_growth_texture whole = {0};
+    const tz_growth_texture *texture = job->textures > 0 ? job->texture : &whole;
+    const int32_t textures = job->textures > 0 ? job->textures : 1;
     tz_growth_params g;
     tz_growth *growth = NULL;
     bool more = true;
     tz_params_default(&tz_growth_param_table, &g);
-    g.seed = seed;
+    g.seed = job->seed;
     g.rings = p->rings;
     g.coherent = p->candidates;
     g.optimise = p->optimise;
@@ -98,17 +102,25 @@ static tz_status grow(tz_ctx *ctx, const tz_element_set *exemplar,
     g.balance = p->balance;
     g.most = p->most;
     g.inside = p->inside;
-    tz_status s = tz_growth_begin(ctx, exemplar, &g, layout, &growth);
+    tz_status s = job->paint ? tz_brush_begin(ctx, job->exemplar, texture, textures, &g,
+                                              layout, &growth)
+                             : tz_growth_begin_palette(ctx, job->exemplar, texture,
+                                                       textures, &g, layout, &growth);
     if (s != TZ_OK)
         return s;
-    tz_progress_begin(ctx, "grow", "elements",
-                      (int64_t)fmax(1, fmin(2e9, wanted(exemplar, layout))));
-    while (more && s == TZ_OK) {
+    if (job->paint)
+        s = tz_paint_apply(job->paint, growth, &layout->domain, 0);
+    else
+        tz_progress_begin(ctx, "grow", "elements",
+                          (int64_t)fmax(1, fmin(2e9, wanted(job->exemplar, layout))));
+    while (!job->paint && more && s == TZ_OK) {
         const int32_t before = layout->element.n;
         s = tz_growth_step(growth, STEP, &more);
         tz_progress_add(ctx, layout->element.n - before);
     }
-    tz_progress_end(ctx);
+    if (!job->paint)
+        tz_progress_end(ctx);
+    tz_growth_tell(growth, told);
     tz_growth_end(growth);
     return s;
 }
@@ -122,15 +134,16 @@ static tz_status keep_apart(void *user, tz_element_set *output, int32_t iteratio
     return tz_spacing_relax(user, output, ROUNDS);
 }
 
-static tz_status solve(tz_ctx *ctx, const tz_element_set *exemplar,
-                       const tz_element_arrange_params *p, uint64_t seed,
+static tz_status solve(tz_ctx *ctx, const tz_element_arrange_job *job,
                        tz_element_set *layout)
 {
+    const tz_element_set *exemplar = job->exemplar;
+    const tz_element_arrange_params *p = job->params;
     static const tz_energy_start start[] = {TZ_ENERGY_GIVEN, TZ_ENERGY_PATCHES,
                                             TZ_ENERGY_NOISE};
     tz_energy_params e;
     tz_params_default(&tz_energy_param_table, &e);
-    e.seed = seed;
+    e.seed = job->seed;
     e.shape = p->shape;
     e.existence = p->existence && p->most == 0;
     e.start = (int32_t)start[p->method];
@@ -202,10 +215,11 @@ static tz_status restore(tz_ctx *ctx, const tz_kept *k, tz_element_set *set)
 
 /** Solves, and goes back where that made it less like the exemplar. Guided layouts differ
  * from their exemplar on purpose: there the solver is trusted. */
-static tz_status solve_if_better(tz_ctx *ctx, const tz_element_set *exemplar,
-                                 const tz_element_arrange_params *p, uint64_t seed,
+static tz_status solve_if_better(tz_ctx *ctx, const tz_element_arrange_job *job,
                                  tz_element_set *layout)
 {
+    const tz_element_set *exemplar = job->exemplar;
+    const tz_element_arrange_params *p = job->params;
     const tz_domain *d = &layout->domain;
     const bool measured = p->method == TZ_ELEMENTS_GROWTH && p->iterations < 0 &&
                           !d->region && !d->frames && !d->zones && p->most == 0 &&
@@ -213,12 +227,12 @@ static tz_status solve_if_better(tz_ctx *ctx, const tz_element_set *exemplar,
     tz_kept grown = {0};
     double before = 0, after = 0;
     if (!measured)
-        return solve(ctx, exemplar, p, seed, layout);
+        return solve(ctx, job, layout);
     tz_status s = unlikeness(ctx, exemplar, layout, &before);
     if (s == TZ_OK)
         s = keep(ctx, layout, &grown);
     if (s == TZ_OK)
-        s = solve(ctx, exemplar, p, seed, layout);
+        s = solve(ctx, job, layout);
     if (s == TZ_OK)
         s = unlikeness(ctx, exemplar, layout, &after);
     if (s == TZ_OK && !(after < before))
@@ -228,26 +242,29 @@ static tz_status solve_if_better(tz_ctx *ctx, const tz_element_set *exemplar,
     return s;
 }
 
-tz_status tz_element_arrange(tz_ctx *ctx, const tz_element_set *exemplar,
-                             const char *name, const tz_element_arrange_params *params,
-                             uint64_t seed, tz_element_set *layout,
-                             tz_element_arrange_report *report)
+tz_status tz_element_arrange(tz_ctx *ctx, const tz_element_arrange_job *job,
+                             tz_element_set *layout, tz_element_arrange_report *report)
 {
     const double start = seconds();
+    const bool one = job->textures <= 1 && !job->paint;
     double grown = start;
+    tz_growth_report told = {.covered = 1};
     tz_status s = TZ_OK;
-    if (seen_elements(exemplar) == 0)
+    if (seen_elements(job->exemplar) == 0)
         return tz_fail(ctx, TZ_INVALID,
-                       "%s: has no elements to arrange; draw at least one", name);
-    if (params->method == TZ_ELEMENTS_GROWTH) {
-        s = grow(ctx, exemplar, params, seed, layout);
+                       "%s: has no elements to arrange; draw at least one", job->name);
+    if (job->params->method == TZ_ELEMENTS_GROWTH || !one) {
+        s = grow(ctx, job, layout, &told);
         grown = seconds();
     }
-    if (s == TZ_OK)
-        s = solve_if_better(ctx, exemplar, params, seed, layout);
+    if (s == TZ_OK && one)
+        s = solve_if_better(ctx, job, layout);
     if (report && (s == TZ_OK || s == TZ_CANCELLED)) {
         report->elements = seen_elements(layout);
-        report->filled = report->elements / wanted(exemplar, layout);
+        report->filled =
+            report->elements /
+            (told.expected > 0 ? told.expected : wanted(job->exemplar, layout));
+        report->covered = told.covered;
         report->grow = grown - start;
         report->solve = seconds() - grown;
     }

@@ -7,7 +7,8 @@
 #define TZ_ELEMENTS_ELEMENT_ARRANGE_H
 
 #include "base/param.h"
-#include "elements/element.h"
+#include "elements/growth.h"
+#include "elements/paint.h"
 
 typedef enum tz_element_method {
     TZ_ELEMENTS_GROWTH,  /**< growth, then the solver */
@@ -32,23 +33,34 @@ typedef struct tz_element_arrange_params {
 TZ_API extern const tz_param_table tz_element_arrange_param_table;
 
 typedef struct tz_element_arrange_report {
-    int32_t elements;   /**< in the layout */
-    double filled;      /**< elements, over what the exemplar's density asks for */
+    int32_t elements; /**< in the layout */
+    double filled;    /**< elements, over what the exemplar's density asks for */
+    double covered; /**< share of the domain in which growth has decided; 1 without it */
     double grow, solve; /**< s */
 } tz_element_arrange_report;
 
-/** Fills the layout's domain.
- * @param exemplar  not changed
+/** What is arranged. */
+typedef struct tz_element_arrange_job {
+    const tz_element_set *exemplar; /**< not changed */
+    const char *name;               /**< of it, in messages */
+    const tz_element_arrange_params *params;
+    uint64_t seed;
+    const tz_growth_texture
+        *texture; /**< exemplars of a palette; NULL = all of it is one */
+    int32_t textures;
+    const tz_paint *paint; /**< strokes that grow; NULL = the whole domain fills */
+} tz_element_arrange_job;
+
+/** Fills the layout's domain, or paints in it. Several textures, and strokes, are grown
+ * only: the solver knows one exemplar for the whole of a layout.
  * @param layout    made by tz_element_set_like(exemplar): without elements, or with
- *                  fixed ones that are kept and arranged around
+ *                  some that are kept and arranged around
  * @param[out] report  NULL, or what was done
- * @return TZ_OK; TZ_INVALID (an exemplar or a domain that nothing can be made of, named
- *   `name`); TZ_LIMIT; TZ_NOMEM; TZ_CANCELLED (the layout is whole then too)
+ * @return TZ_OK; TZ_INVALID (an exemplar or a domain that nothing can be made of);
+ *   TZ_LIMIT; TZ_NOMEM; TZ_CANCELLED (the layout is whole then too)
  * @cost linear in the elements of the layout */
-TZ_API tz_status tz_element_arrange(tz_ctx *ctx, const tz_element_set *exemplar,
-                                    const char *name,
-                                    const tz_element_arrange_params *params,
-                                    uint64_t seed, tz_element_set *layout,
+TZ_API tz_status tz_element_arrange(tz_ctx *ctx, const tz_element_arrange_job *job,
+                                    tz_element_set *layout,
                                     tz_element_arrange_report *report);
 
 #endif

@@ -148,7 +148,9 @@ static void arrangements_are_the_same_at_any_threads(void **state)
         tz_params_default(&tz_element_arrange_param_table, &p);
         ok(ctx, drawn_mixed(ctx, 150, false, &from));
         ok(ctx, tz_element_set_like(ctx, &from, &d, &s));
-        ok(ctx, tz_element_arrange(ctx, &from, "mixed", &p, 5, &s, &report));
+        const tz_element_arrange_job job = {
+            .exemplar = &from, .name = "mixed", .params = &p, .seed = 5};
+        ok(ctx, tz_element_arrange(ctx, &job, &s, &report));
         assert_int_equal(report.elements, s.element.n);
         assert_true(report.filled > 0.85 && report.filled < 1.15);
         if (t == 0) {
@@ -176,11 +178,13 @@ static tz_status arrange_in(tz_ctx *ctx)
     tz_element_arrange_params p;
     const tz_domain d = {.size = {120, 90, 0}};
     tz_params_default(&tz_element_arrange_param_table, &p);
+    const tz_element_arrange_job job = {
+        .exemplar = &from, .name = "hexagons", .params = &p, .seed = 5};
     tz_status st = drawn_hexagons(ctx, 6, 6, 0.5, false, &from);
     if (st == TZ_OK)
         st = tz_element_set_like(ctx, &from, &d, &s);
     if (st == TZ_OK)
-        st = tz_element_arrange(ctx, &from, "hexagons", &p, 5, &s, NULL);
+        st = tz_element_arrange(ctx, &job, &s, NULL);
     tz_element_set_deinit(&from);
     tz_element_set_deinit(&s);
     return st;

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cli/expand_elements.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cli/element_exemplar.h"
+#include "cli/element_material.h"
+#include "cli/figures.h"
+#include "elements/element_io.h"
+#include "synthesis/element_ground.h"
+
+typedef struct run_state {
+    tz_cli *cli;
+    const tz_expand_elements_job *job;
+    tz_expand_plan plan;
+    tz_record record;
+    tz_element_exemplar exemplar;
+    tz_element_maps maps;
+    tz_domain domain;
+    tz_guides guides;
+} run_state;
+
+static tz_status name_pictures(tz_cli *cli, void *user, tz_name_values v,
+                               tz_picture_list *out)
+{
+    const run_state *r = user;
+    return tz_element_pictures_plan(cli, r->job->output, r->job->map_output, &r->maps, v,
+                                    out);
+}
+
+static tz_status list_inputs(run_state *r)
+{
+    tz_cli *cli = r->cli;
+    tz_status s = tz_guides_paths(cli, r->job->guides, &r->exemplar.inputs);
+    for (int32_t i = 0; i < r->maps.map.n && s == TZ_OK; i++)
+        for (int32_t k = 0; k < r->maps.map.v[i].path.n && s == TZ_OK; k++)
+            if (r->maps.what.v[i] < 0)
+                s = tz_paths_add(cli->ctx, &r->exemplar.inputs,
+                                 tz_cli_find(cli, r->maps.map.v[i].path.v[k]));
+    return s;
+}
+
+static tz_status prepare(run_state *r)
+{
+    tz_cli *cli = r->cli;
+    const tz_expand_elements_job *j = r->job;
+    tz_path_list plates = {0};
+    tz_rect crop;
+    tz_expand_wish w = {.own = j->own,
+                        .output = j->output,
+                        .format = j->format,
+                        .seed = j->arrange->seed,
+                        .inputs = &r->exemplar.inputs,
+                        .besides = &plates,
+                        .pictures = name_pictures,
+                        .user = r};
+    if (cli->operands != 1)
+        return tz_cli_usage(cli, "elements are expanded from one photo or drawing");
+    tz_status s = tz_expand_seeds(cli, &w, &r->plan);
+    if (s == TZ_OK)
+        s = tz_element_exemplar_read(cli, cli->operand[0], j->medium, j->things,
+                                     j->analyze->model, &r->record, &r->exemplar);
+    if (s == TZ_OK)
+        s = tz_element_maps_parse(cli, j->maps, r->exemplar.photos.n, &r->maps);
+    if (s == TZ_OK)
+        s = list_inputs(r);
+    if (s == TZ_OK && *j->own->save_exemplar)
+        s = tz_element_exemplar_name_plate(cli, j->own->save_exemplar, &plates,
+                                           &r->exemplar);
+    if (s == TZ_OK && *j->own->save_layout)
+        s = tz_element_exemplar_name_plate(cli, j->own->save_layout, &plates,
+                                           &r->exemplar);
+    if (s != TZ_OK)
+        goto done;
+    r->domain = tz_element_domain(cli, &r->exemplar.set, j->arrange, j->grow);
+    const int32_t size[2] = {
+        (int32_t)fmin(1e9, fmax(1, rint(r->domain.size.x * j->look->scale))),
+        (int32_t)fmin(1e9, fmax(1, rint(r->domain.size.y * j->look->scale)))};
+    w.width = size[0];
+    w.height = size[1];
+    s = tz_expand_plan_make(cli, &w, &r->plan);
+    if (s == TZ_OK && r->plan.pictures.n)
+        s = tz_crop_settle(cli->ctx, size, j->compose, &crop);
+    if (s == TZ_OK)
+        s = tz_guides_read(cli, j->guides, &r->exemplar.set, &r->record, &r->domain,
+                           &r->guides);
+    if (s == TZ_OK)
+        s = tz_element_exemplar_write_plate(cli, &r->exemplar);
+done:
+    tz_paths_free(cli->ctx, &plates);
+    return s;
+}
+
+/** Document of one seed. */
+static tz_status save_layout(run_state *r, int32_t i, tz_element_set *layout,
+                             const tz_layout *ground)
+{
+    tz_cli *cli = r->cli;
+    if (r->plan.layouts.n == 0)
+        return TZ_OK;
+    const char *path = r->plan.layouts.v[i];
+    char *background = NULL;
+    tz_status s = tz_record_text(cli, &r->record, NULL, "layout", &layout->recipe);
+    if (s == TZ_OK && ground->place.n > 0) {
+        background = layout->background;
+        layout->background = NULL;
+        s = tz_element_ground_embed(cli->ctx, path, ground, layout);
+    }
+    if (s == TZ_OK)
+        s = tz_element_write(cli->ctx, path, layout);
+    if (ground->place.n > 0) {
+        tz_free(cli->ctx, layout->background);
+        layout->background = background;
+    }
+    if (s == TZ_OK)
+        tz_figures_output(cli, path, "layout", (int32_t)fmin(2e9, rint(r->domain.size.x)),
+                          (int32_t)fmin(2e9, rint(r->domain.size.y)));
+    return s;
+}
+
+static tz_status one_seed(run_state *r, int32_t i)
+{
+    tz_cli *cli = r->cli;
+    const tz_expand_elements_job *j = r->job;
+    const uint64_t seed = r->plan.seeds.v[i];
+    tz_element_arrange_report report;
+    tz_element_set layout = {0};
+    tz_element_material m = {.layout = &layout, .photos = r->exemplar.photos};
+    tz_status s = tz_element_set_like(cli->ctx, &r->exemplar.set, &r->domain, &layout);
+    tz_element_arrange_job a = {.exemplar = &r->exemplar.set,
+                                .name = cli->operand[0],
+                                .params = j->elements,
+                                .seed = seed};
+    tz_guides_apply(&r->guides, &a);
+    if (s == TZ_OK)
+        s = tz_element_arrange(cli->ctx, &a, &layout, &report);
+    if (s != TZ_OK)
+        goto done;
+    tz_figures_seconds(cli, "arrange", report.grow + report.solve);
+    tz_figures_count(cli, "placements", report.elements);
+    s = tz_element_exemplar_ground(cli, &r->exemplar, j->analyze, &r->domain, seed,
+                                   &m.ground);
+    if (s == TZ_OK)
+        s = save_layout(r, i, &layout, &m.ground);
+    m.ground_photo = r->exemplar.photos.plate;
+    const tz_element_job job = {&m, &r->maps, j->compose, j->look, j->format, &r->record};
+    if (s == TZ_OK)
+        s = tz_element_pictures_render(cli, &job, &r->plan.pictures, r->plan.first[i],
+                                       r->plan.first[i + 1]);
+done:
+    tz_layout_deinit(&m.ground);
+    tz_element_set_deinit(&layout);
+    return s;
+}
+
+static tz_status save_exemplar(run_state *r)
+{
+    const char *path = r->job->own->save_exemplar;
+    if (!*path)
+        return TZ_OK;
+    tz_status s = tz_element_write(r->cli->ctx, path, &r->exemplar.set);
+    if (s == TZ_OK)
+        tz_figures_output(r->cli, path, "exemplar",
+                          (int32_t)fmin(2e9, rint(r->exemplar.set.domain.size.x)),
+                          (int32_t)fmin(2e9, rint(r->exemplar.set.domain.size.y)));
+    return s;
+}
+
+tz_status tz_expand_elements(tz_cli *cli, const tz_expand_elements_job *job)
+{
+    run_state r = {.cli = cli, .job = job};
+    tz_status s = prepare(&r);
+    if (s == TZ_OK)
+        s = save_exemplar(&r);
+    const bool layout = r.plan.layouts.n || r.plan.pictures.n;
+    for (int32_t i = 0; s == TZ_OK && layout && i < r.plan.seeds.n; i++)
+        s = one_seed(&r, i);
+    tz_guides_free(&r.guides);
+    tz_element_exemplar_free(cli, &r.exemplar);
+    tz_element_maps_free(cli->ctx, &r.maps);
+    tz_record_free(cli, &r.record);
+    tz_expand_plan_free(cli, &r.plan);
+    return s;
+}
