@@ -18,13 +18,16 @@
 
 #include "elements/growth_internal.h"
 
-typedef enum phase { GROW, FILL, START, CLOSE, POLISH, DONE } phase;
+typedef enum phase { GROW, FILL, START, CLOSE, MEND, POLISH, DONE } phase;
 
 enum { STARTS = 8, SAMPLED = 256, CELLS = 1 << 22 };
 
 /* Places emptier than this many of the exemplar's holes are started in; they are looked
  * for at a step of this many spacings. */
 static const double start_gap = 1.02, start_step = 0.33;
+
+/* Density is mended below this error. */
+static const float mend_below = -0.03F;
 
 static const tz_param rows[] = {
     {"seed", TZ_PARAM_UINT64, offsetof(tz_growth_params, seed), 0, 1.8e19, "1", "", NULL,
@@ -350,7 +353,7 @@ static tz_status grow(tz_growth *g)
         g->queue_head = (g->queue_head + 1) % g->queue_cap;
         g->queue_n--;
         g->spot.v[seed].queued = false;
-        s = tz_growth_visit(g, seed, false, &grown);
+        s = tz_growth_visit(g, seed, TZ_GROWTH_STRICT, &grown);
         if (grown)
             g->round[g->rounds++] = seed;
     }
@@ -367,7 +370,7 @@ static tz_status fill(tz_growth *g)
     while (g->filled < g->spot.n && !grown && s == TZ_OK) {
         const int32_t i = g->filled++;
         if (g->spot.v[i].waiting)
-            s = tz_growth_visit(g, i, true, &grown);
+            s = tz_growth_visit(g, i, TZ_GROWTH_LOOSE, &grown);
     }
     g->phase = grown ? GROW : START;
     return s;
@@ -497,7 +500,24 @@ static tz_status close_holes(tz_growth *g)
             tz_growth_gap(g, x, y, hole) >= hole)
             s = start_at(g, t, x, y, false, &started);
     }
-    g->phase = started ? GROW : POLISH;
+    g->phase = started ? GROW : MEND;
+    return s;
+}
+
+/* Where the output is too sparse as a whole, neighbours that found no room are tried once
+ * more: by now things have moved. */
+static tz_status mend(tz_growth *g)
+{
+    tz_status s = TZ_OK;
+    int32_t grown = 0;
+    while (g->mended < g->spot.n && g->rounds < TZ_GROWTH_BATCH && s == TZ_OK) {
+        const int32_t i = g->mended++;
+        const tz_growth_spot *q = &g->spot.v[i];
+        if (q->match >= 0 && tz_growth_error(g, q->texture) < mend_below)
+            s = tz_growth_visit(g, i, TZ_GROWTH_MEND, &grown);
+    }
+    if (g->mended >= g->spot.n)
+        g->phase = g->queue_n > 0 ? GROW : POLISH;
     return s;
 }
 
@@ -528,7 +548,7 @@ void tz_growth_resume(tz_growth *g, tz_vec2 at, double radius)
     g->box_hi = (tz_vec2){fmin(size.x, hi.x), fmin(size.y, hi.y)};
     g->phase = GROW;
     g->started = 0;
-    g->closed = g->filled = 0;
+    g->closed = g->filled = g->mended = 0;
 }
 
 void tz_growth_rest(tz_growth *g)
@@ -572,6 +592,7 @@ tz_status tz_growth_step(tz_growth *g, int32_t budget, bool *more)
         case FILL: s = fill(g); break;
         case START: s = start(g); break;
         case CLOSE: s = close_holes(g); break;
+        case MEND: s = mend(g); break;
         case POLISH: polish(g); break;
         case DONE: break;
         }

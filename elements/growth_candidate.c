@@ -389,17 +389,19 @@ static uint64_t list_decided(const tz_growth *g, const tz_growth_spot *q, const 
     return decided;
 }
 
-tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown)
+tz_status tz_growth_visit(tz_growth *g, int32_t seed, tz_growth_visiting how,
+                          int32_t *grown)
 {
     tz_growth_view view;
     tz_growth_spot *q = &g->spot.v[seed];
     choice c = {0};
     *grown = 0;
     q->visits++;
-    if (tz_growth_undecided(g, q) <= (q->visits > 1 ? pieces : crumbs))
+    if (how != TZ_GROWTH_MEND &&
+        tz_growth_undecided(g, q) <= (q->visits > 1 ? pieces : crumbs))
         return TZ_OK;
     tz_growth_look(g, q->x, q->y, g->ex[q->texture].unit[q->match].sight, seed, &view);
-    if (!choose(g, q, &view, loose, &c)) {
+    if (!choose(g, q, &view, how != TZ_GROWTH_STRICT, &c)) {
         q->waiting = true;
         return TZ_OK;
     }
@@ -409,7 +411,8 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown
     tz_growth_decide(g, q, c.unit);
     const tz_status s = copy(g, seed, &c, decided, &view, grown);
     q = &g->spot.v[seed];
-    if (s == TZ_OK && !g->ex[q->texture].unit[c.unit].known && q->visits < VISITS)
+    if (s == TZ_OK && how != TZ_GROWTH_MEND && !g->ex[q->texture].unit[c.unit].known &&
+        q->visits < VISITS)
         tz_growth_enqueue(g, seed); /* another unit may know the rest */
     return s;
 }

@@ -241,6 +241,14 @@ bool tz_growth_is_of(const tz_growth *g, int32_t texture, double x, double y)
     return bit(g->cover.open, at) && (!zone || bit(zone, at));
 }
 
+bool tz_growth_may_go(const tz_growth *g, int32_t texture, double x, double y)
+{
+    const tz_zones *z = g->out->domain.zones;
+    const int32_t own = g->ex[texture].texture.zone;
+    return !z || own == 0 ||
+           z->zone[tz_raster_at(&z->raster, (tz_vec3){x, y, 0})] == own - 1;
+}
+
 bool tz_growth_may_stand(const tz_growth *g, int32_t texture, const tz_growth_unit *u,
                          double x, double y)
 {
@@ -251,7 +259,8 @@ bool tz_growth_may_stand(const tz_growth *g, int32_t texture, const tz_growth_un
         return false;
     const size_t at = bit_at(&g->cover, d, x, y);
     const uint64_t *zone = zone_of(g, texture);
-    if (!bit(g->cover.open, at) || (zone && !bit(zone, at)))
+    if (!bit(g->cover.open, at) || (zone && !bit(zone, at)) ||
+        !tz_growth_may_go(g, texture, x, y))
         return false;
     if (real && g->params.inside > 0 &&
         tz_domain_depth(d, p) < g->params.inside * (double)u->r)

@@ -156,7 +156,7 @@ struct tz_growth {
     int32_t round[4 * TZ_GROWTH_BATCH * TZ_GROWTH_FREE], rounds; /* spots of this round */
     int32_t phase;   /* of the growth: see growth.c */
     int64_t started; /* how far the passes over places and spots are */
-    int32_t closed, filled, polished;
+    int32_t closed, filled, mended, polished;
     tz_vec2 box_lo, box_hi; /* where holes are looked for */
     int32_t solved;         /* spots when everything was solved last */
     tz_growth_node *node;
@@ -227,6 +227,8 @@ void tz_growth_open_place(tz_growth *g, int32_t texture, double x, double y, dou
 bool tz_growth_is_decided(const tz_growth *g, double x, double y);
 /** Whether a texture may grow at a place. */
 bool tz_growth_is_of(const tz_growth *g, int32_t texture, double x, double y);
+/** Whether the zones of textures let something move to a place of the domain. */
+bool tz_growth_may_go(const tz_growth *g, int32_t texture, double x, double y);
 /** Whether domain, zones and what is open admit a unit. */
 bool tz_growth_may_stand(const tz_growth *g, int32_t texture, const tz_growth_unit *u,
                          double x, double y);
@@ -281,9 +283,14 @@ static inline tz_vec2 tz_growth_in(const tz_growth_view *w, double x, double y)
 
 /* ---- growth_candidate.c ---------------------------------------------------------- */
 
-/** Grows around one seed. @param loose  takes what fits, however badly
- * @param[out] grown  how many were placed */
-tz_status tz_growth_visit(tz_growth *g, int32_t seed, bool loose, int32_t *grown);
+typedef enum tz_growth_visiting {
+    TZ_GROWTH_STRICT,
+    TZ_GROWTH_LOOSE, /* takes what fits, however badly */
+    TZ_GROWTH_MEND   /* the same, also where all is decided */
+} tz_growth_visiting;
+/** Grows around one seed. @param[out] grown  how many were placed */
+tz_status tz_growth_visit(tz_growth *g, int32_t seed, tz_growth_visiting how,
+                          int32_t *grown);
 /** Places a copy of a unit. @param view  what is seen from there, at least first rings */
 tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x, double y,
                           const tz_growth_view *view);

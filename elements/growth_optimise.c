@@ -135,7 +135,8 @@ static bool may_go(const tz_growth *g, const tz_growth_spot *q, double x, double
 {
     const tz_domain *d = &g->out->domain;
     const tz_vec3 p = tz_domain_wrap(d, (tz_vec3){x, y, 0});
-    return tz_domain_contains(d, p) && (q->out < 0 || tz_domain_allows(d, p, q->kind)) &&
+    return tz_domain_contains(d, p) && tz_growth_may_go(g, q->texture, p.x, p.y) &&
+           (q->out < 0 || tz_domain_allows(d, p, q->kind)) &&
            (g->params.inside <= 0 || q->out < 0 ||
             tz_domain_depth(d, p) >= g->params.inside * (double)q->r);
 }
