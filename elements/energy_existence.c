@@ -37,9 +37,12 @@ typedef struct census {
     uint8_t *drop;
     int32_t dropped;
     TZ_ARRAY(wish)
-    wish;
-    double mean; /* neighbours within the radius */
-    tz_vec3 *at; /* of elements */
+    wish; /* most wanted first */
+    TZ_ARRAY(int32_t)
+    pick;           /* wishes that come true */
+    int32_t strong; /* wishes that should, if others made room */
+    double mean;    /* neighbours within the radius */
+    tz_vec3 *at;    /* of elements */
     tz_cells cells;
 } census;
 
@@ -185,7 +188,8 @@ static tz_status choose_drops(census *c)
     const int32_t n = t->set->element.n;
     const double least = n > c->expected ? 0.5 : 0.35;
     /* far too many: half of them may go if some who see them have no partner */
-    const double quota = 0.5 * (n - (1 + SLACK) * c->expected), doubtful = 0.85;
+    const double quota = 0.5 * (n + c->strong - (1 + SLACK) * c->expected);
+    const double doubtful = 0.85;
     ranked *order = NULL;
     tz_status s = tz_alloc(t->ctx, &order, (size_t)n, sizeof *order);
     if (s == TZ_OK)
@@ -197,7 +201,7 @@ static tz_status choose_drops(census *c)
     for (int32_t k = 0; k < n && s == TZ_OK; k++) {
         const int32_t i = order[k].id;
         bool crowded, touched;
-        if (n - c->dropped - 1 < (1 - SLACK) * c->expected)
+        if (n - c->dropped - 1 + c->strong < (1 - SLACK) * c->expected)
             break;
         if (t->set->element.v[i].fixed)
             continue;
@@ -294,48 +298,63 @@ static tz_status count_votes(census *c)
     return s;
 }
 
-/* Nothing that stays lies too near, and nothing that came just now. */
-static bool is_free(const census *c, tz_vec3 at, int32_t added)
+/* Nothing that stays lies too near, and nothing that comes. */
+static bool is_free(const census *c, tz_vec3 at)
 {
     enum { LOOK = 16 };
     tz_nearby found[LOOK];
     const double reach = fmax(c->crowd, 0.35 * c->t->x->spacing);
     const int32_t n = tz_cells_near(&c->cells, c->at, at, reach, -1, found, LOOK);
     for (int32_t k = 0; k < n; k++)
-        if (!c->drop[found[k].id])
+        if (!c->drop || !c->drop[found[k].id])
             return false;
-    for (int32_t k = 0; k < added; k++) { /* wishes kept so far stand in front */
-        const tz_vec3 v = tz_domain_vector(&c->t->set->domain, at, c->wish.v[k].at);
+    for (int32_t k = 0; k < c->pick.n; k++) {
+        const tz_vec3 p = c->wish.v[c->pick.v[k]].at;
+        const tz_vec3 v = tz_domain_vector(&c->t->set->domain, at, p);
         if (hypot(v.x, v.y) < fmax(reach, 0.7 * c->t->x->spacing))
             return false;
     }
     return true;
 }
 
-/* Leaves the wishes that come true. */
+static tz_status find_wishes(census *c)
+{
+    tz_status s = TZ_OK;
+    for (int32_t o = 0; o < c->t->n && s == TZ_OK; o++)
+        s = add_wishes(c, o);
+    return s == TZ_OK ? count_votes(c) : s;
+}
+
+/* Those with enough votes for whom there is room, up to a number of elements. */
+static tz_status pick_wishes(census *c, double need, double most)
+{
+    const int32_t before = c->t->set->element.n - c->dropped;
+    tz_status s = TZ_OK;
+    c->pick.n = 0;
+    for (int32_t k = 0; k < c->wish.n && s == TZ_OK; k++) {
+        if (c->wish.v[k].votes < need || before + c->pick.n + 1 > most)
+            break;
+        if (is_free(c, c->wish.v[k].at))
+            s = tz_array_push(c->t->ctx, &c->pick, k);
+    }
+    return s;
+}
+
+/* What nearly all about a place miss. */
+static tz_status count_strong(census *c)
+{
+    const tz_status s = pick_wishes(c, fmax(3, 0.6 * c->mean), HUGE_VAL);
+    c->strong = c->pick.n;
+    return s;
+}
+
 static tz_status choose_wishes(census *c)
 {
-    tz_energy_state *t = c->t;
-    const int32_t before = t->set->element.n - c->dropped;
+    const int32_t before = c->t->set->element.n - c->dropped;
     const double share = before < (1 - SLACK) * c->expected ? 0.2
                          : before < c->expected             ? 0.3
                                                             : 0.45;
-    const double need = fmax(3, share * c->mean);
-    int32_t kept = 0;
-    tz_status s = TZ_OK;
-    for (int32_t o = 0; o < t->n && s == TZ_OK; o++)
-        s = add_wishes(c, o);
-    if (s == TZ_OK)
-        s = count_votes(c);
-    for (int32_t k = 0; k < c->wish.n && s == TZ_OK; k++) {
-        const wish w = c->wish.v[k];
-        if (w.votes < need || before + kept + 1 > (1 + SLACK) * c->expected)
-            break;
-        if (is_free(c, w.at, kept))
-            c->wish.v[kept++] = w;
-    }
-    c->wish.n = kept;
-    return s;
+    return pick_wishes(c, fmax(3, share * c->mean), (1 + SLACK) * c->expected);
 }
 
 /* ---- the step -------------------------------------------------------------------- */
@@ -368,8 +387,8 @@ static tz_status renew(census *c)
         s = tz_energy_drop(set, c->drop, match);
     if (s == TZ_OK)
         known = set->sample.n;
-    for (int32_t k = 0; k < c->wish.n && s == TZ_OK; k++)
-        s = place_wish(c, c->wish.v[k]);
+    for (int32_t k = 0; k < c->pick.n && s == TZ_OK; k++)
+        s = place_wish(c, c->wish.v[c->pick.v[k]]);
     if (s == TZ_OK) {
         tz_energy_state_deinit(t);
         s = tz_energy_state_init(ctx, t, x, set, &p);
@@ -384,12 +403,11 @@ static tz_status renew(census *c)
 
 tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed)
 {
-    const tz_element_set *from = t->x->set;
     const int32_t n = t->set->element.n;
     census c = {.t = t,
                 .round = round,
-                .expected = from->element.n / tz_domain_area(&from->domain) *
-                            tz_domain_area(&t->set->domain)};
+                .expected =
+                    tz_energy_density(t->x->set) * tz_domain_area(&t->set->domain)};
     if (t->set->domain.zones) /* which have densities of their own: stay near them */
         c.expected = n;
     tz_ctx *ctx = t->ctx;
@@ -404,16 +422,21 @@ tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed)
     if (s == TZ_OK)
         s = find_support(&c);
     if (s == TZ_OK)
+        s = find_wishes(&c);
+    if (s == TZ_OK)
+        s = count_strong(&c);
+    if (s == TZ_OK)
         s = choose_drops(&c);
     if (s == TZ_OK)
         s = choose_wishes(&c);
-    if (s == TZ_OK && (c.dropped > 0 || c.wish.n > 0)) {
+    if (s == TZ_OK && (c.dropped > 0 || c.pick.n > 0)) {
         *changed = true;
         s = renew(&c);
     }
     tz_free(ctx, c.support);
     tz_free(ctx, c.drop);
     tz_array_free(ctx, &c.wish);
+    tz_array_free(ctx, &c.pick);
     tz_free(ctx, c.at);
     tz_cells_free(ctx, &c.cells);
     return s;

@@ -47,6 +47,7 @@ typedef struct filler {
     int32_t *begin, *end; /* elements of each cell; equal = none yet */
     TZ_ARRAY(tz_energy_forbidden)
     forbidden;       /* by zones */
+    double density;  /* of the exemplar */
     double expected; /* elements of the cells that are done, as the exemplar has them */
 } filler;
 
@@ -321,7 +322,7 @@ static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
     }
     tz_status s = copy_patch(f, best, cell, &r);
     f->end[cell] = f->to->element.n;
-    f->expected += share * f->from->element.n * f->side.x * f->side.y / (size.x * size.y);
+    f->expected += share * f->density * f->side.x * f->side.y;
     return s;
 }
 
@@ -365,6 +366,7 @@ static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch
     f->nx = (int32_t)nx, f->ny = (int32_t)ny;
     f->tries = p->tries;
     f->attribute = p->attribute;
+    f->density = tz_energy_density(f->from);
     const int32_t n = f->nx * f->ny;
     tz_status s = index_exemplar(f);
     if (s == TZ_OK)

@@ -73,7 +73,8 @@ static void test_region(void **state)
             p.existence = true;
             out.domain.torus = k % 2 == 1;
             out.domain.region = r;
-            ok(ctx, pattern_make(ctx, &from, all[k], plain(100, 103.93), 1));
+            ok(ctx, pattern_make(ctx, &from, all[k],
+                                 plain(100, all[k] == PATTERN_HEX ? 103.93 : 100), 1));
             ok(ctx, tz_energy_solve(ctx, &from, &p, &out, NULL, energy));
             /* all inside, as many as the area holds, none in heaps */
             const double want = r->area * from.element.n / tz_domain_area(&from.domain);
