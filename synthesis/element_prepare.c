@@ -7,7 +7,7 @@
 #include "synthesis/element_render_internal.h"
 
 static const tz_param rows[] = {
-    {"scale", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, scale), 1e-6, 1e6, "1",
+    {"resolution", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, scale), 1e-6, 1e6, "1",
      "px", NULL, "Pixels that a user unit of the layout becomes"},
     {"shadow", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, shadow), 0, 256, "8",
      "px", NULL,
