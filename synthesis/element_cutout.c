@@ -37,6 +37,16 @@ static const tz_image *shown(const tz_element_pixels *p)
     return p->map ? p->map : p->photo;
 }
 
+/* The box in the symbol's units. */
+static void set_local(tz_cutout *c, const tz_element_symbol *y)
+{
+    const double kx = 1 / (c->mx * y->photo_scale), ky = 1 / (c->my * y->photo_scale);
+    c->local.x0 = c->box.x * kx - y->photo_at.x / y->photo_scale;
+    c->local.y0 = c->box.y * ky - y->photo_at.y / y->photo_scale;
+    c->local.x1 = c->local.x0 + c->box.w * kx;
+    c->local.y1 = c->local.y0 + c->box.h * ky;
+}
+
 void tz_cutout_place(tz_cutout *c, const tz_element_symbol *y, const tz_element_pixels *p,
                      const tz_element_render_params *params)
 {
@@ -63,11 +73,7 @@ void tz_cutout_place(tz_cutout *c, const tz_element_symbol *y, const tz_element_
     c->box.w = (int32_t)ceil(b.x1) - c->box.x;
     c->box.h = (int32_t)ceil(b.y1) - c->box.y;
     c->empty = false;
-    const double kx = 1 / (c->mx * y->photo_scale), ky = 1 / (c->my * y->photo_scale);
-    c->local.x0 = c->box.x * kx - y->photo_at.x / y->photo_scale;
-    c->local.y0 = c->box.y * ky - y->photo_at.y / y->photo_scale;
-    c->local.x1 = c->local.x0 + c->box.w * kx;
-    c->local.y1 = c->local.y0 + c->box.h * ky;
+    set_local(c, y);
 }
 
 /* Moves by whole pixels, but for rounding. */
@@ -96,8 +102,7 @@ tz_cutout_view tz_cutout_look(const tz_cutout *c, const tz_element_symbol *y,
         return v;
     }
     double step = sqrt(fabs(tz_affine_det(v.inv)));
-    while (step > 2 * TWICE && v.level + 1 < TZ_CUTOUT_LEVELS &&
-           (c->box.w >> v.level > 1 || c->box.h >> v.level > 1)) {
+    while (step > 2 * TWICE && v.level + 1 < TZ_CUTOUT_LEVELS) {
         step *= 0.5;
         v.level++;
     }
@@ -213,6 +218,34 @@ static tz_status halve(tz_ctx *ctx, const tz_image *in, tz_image *out)
     return s;
 }
 
+/* Part of a sprite that is not empty, with room for splines to swing; w = 0: none. */
+static tz_rect full_part(const tz_image *im)
+{
+    enum { ROOM = 3 };
+    int32_t x0 = im->width, y0 = im->height, x1 = -1, y1 = -1;
+    for (int32_t y = 0; y < im->height; y++)
+        for (int32_t x = 0; x < im->width; x++)
+            if (tz_image_at(im, x, y)[3] > 0) {
+                x0 = x < x0 ? x : x0, x1 = x > x1 ? x : x1;
+                y0 = y < y0 ? y : y0, y1 = y > y1 ? y : y1;
+            }
+    if (x1 < 0)
+        return (tz_rect){0, 0, 0, 0};
+    return tz_rect_intersect(
+        (tz_rect){x0 - ROOM, y0 - ROOM, x1 - x0 + 1 + 2 * ROOM, y1 - y0 + 1 + 2 * ROOM},
+        (tz_rect){0, 0, im->width, im->height});
+}
+
+/* Narrows a cut-out to a part of its box. */
+static void trim(tz_cutout *c, const tz_element_symbol *y, tz_rect part)
+{
+    for (int32_t v = 0; v < part.h; v++)
+        memmove(c->solid + (int64_t)v * part.w,
+                c->solid + (int64_t)(part.y + v) * c->box.w + part.x, (size_t)part.w);
+    c->box = (tz_rect){c->box.x + part.x, c->box.y + part.y, part.w, part.h};
+    set_local(c, y);
+}
+
 static tz_status fill_planes(tz_ctx *ctx, tz_cutout *c, tz_image *im)
 {
     tz_status s = TZ_OK;
@@ -235,7 +268,6 @@ tz_status tz_cutout_fill(tz_ctx *ctx, tz_cutout *c, const tz_element_symbol *y,
                          const tz_element_pixels *p, const tz_matte *m, tz_map_kind kind)
 {
     tz_image im = {0};
-    (void)y;
     if (c->empty || tz_rect_empty(m->box)) {
         c->empty = true;
         return TZ_OK;
@@ -250,8 +282,16 @@ tz_status tz_cutout_fill(tz_ctx *ctx, tz_cutout *c, const tz_element_symbol *y,
             memcpy(tz_image_at(&im, u, v), &t, sizeof t);
             c->solid[(int64_t)v * c->box.w + u] = (uint8_t)(solid * 255 + 0.5F);
         }
-    if (s == TZ_OK)
-        s = fill_planes(ctx, c, &im);
+    if (s == TZ_OK) {
+        const tz_rect part = full_part(&im);
+        c->empty = tz_rect_empty(part);
+        if (!c->empty) {
+            tz_image view = tz_image_view(&im, part);
+            trim(c, y, part);
+            s = fill_planes(ctx, c, &view);
+            tz_image_deinit(&view);
+        }
+    }
     tz_image_deinit(&im);
     return s;
 }
