@@ -271,7 +271,7 @@ tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_
     const float band = (float)params->shadow, matte = (float)params->matte;
     tz_f4 *photo = NULL;
     *m = (tz_matte){.reach = fmaxf(matte + 4, shadow ? band + 7 : 0)};
-    m->box = outline_box(y, fmax(matte + WINDOW + 1, shadow ? band + 8 : 0), p->photo);
+    m->box = outline_box(y, fmaxf(matte + WINDOW + 1, shadow ? band + 8 : 0), p->photo);
     if (tz_rect_empty(m->box)) {
         m->box = (tz_rect){0, 0, 0, 0};
         return TZ_OK;

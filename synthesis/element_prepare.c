@@ -7,8 +7,8 @@
 #include "synthesis/element_render_internal.h"
 
 static const tz_param rows[] = {
-    {"resolution", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, scale), 1e-6, 1e6, "1",
-     "px", NULL, "Pixels that a user unit of the layout becomes"},
+    {"resolution", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, scale), 1e-6, 1e6,
+     "1", "px", NULL, "Pixels that a user unit of the layout becomes"},
     {"shadow", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, shadow), 0, 256, "8",
      "px", NULL,
      "How far about a cut-out its shadow is kept, photo px; needs the ground without the "
@@ -137,7 +137,7 @@ static tz_status check_set(tz_ctx *ctx, tz_element_renderer *r,
     }
     r->colours = drawn ? 3 : 0;
     for (int32_t k = 0; s == TZ_OK && k < set->photo.n; k++)
-        if (need[k])
+        if (need[k] && photos)
             s = check_photo(ctx, r, &set->photo.v[k], &photos[k]);
     if (!r->colours) /* nothing shows: any will do */
         r->colours =

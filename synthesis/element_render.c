@@ -167,7 +167,8 @@ static void lay(const tz_element_renderer *r, tz_f4 v, bool srgb, bool alpha, fl
     const int32_t n = r->colours;
     const float a = v[3] > 1 - 1e-6F ? 1 : v[3];
     const float below = alpha ? at[n] * (1 - a) : 1 - a, all = alpha ? a + below : 1;
-    float c[3] = {v[0], v[1], v[2]};
+    float c[4];
+    memcpy(c, &v, sizeof c);
     for (int32_t k = 0; k < n && below > 0; k++)
         c[k] += (srgb ? tz_srgb_decode(at[k]) : at[k]) * below;
     if (all != 1 && all > 0)
