@@ -17,8 +17,6 @@
 
 #include "elements/element_shape.h"
 
-enum { MOST_REST = 9 /* samples that reading lays along a symbol, at most */ };
-
 tz_pose tz_pose_fit(int32_t n, const tz_vec2 *from, const tz_vec2 *to,
                     const double *weight, bool scaled)
 {
@@ -48,18 +46,29 @@ tz_pose tz_pose_fit(int32_t n, const tz_vec2 *from, const tz_vec2 *to,
 
 /* ---- rest ------------------------------------------------------------------------ */
 
+/* As elements/element_class.c lays samples. */
+static tz_status find_rest(tz_ctx *ctx, const tz_element_symbol *symbol, tz_vec2 *out,
+                           int32_t *n)
+{
+    tz_polys polys = {0};
+    *n = 1;
+    out[0] = (tz_vec2){0, 0};
+    if (symbol->outline.n == 0)
+        return TZ_OK;
+    memcpy(&polys.point, &symbol->outline, sizeof polys.point);
+    memcpy(&polys.part, &symbol->part, sizeof polys.part);
+    tz_status s = tz_polys_axis(ctx, &polys, TZ_BEND_SAMPLES, out, n);
+    if (s == TZ_OK && *n == 1)
+        out[0] = (tz_vec2){0, 0};
+    return s;
+}
+
 tz_status tz_bend_rest(tz_ctx *ctx, const tz_element_symbol *symbol, int32_t samples,
                        tz_vec2 *out)
 {
-    tz_vec2 found[MOST_REST] = {{0, 0}};
-    int32_t n = 1;
-    tz_status s = TZ_OK;
-    if (samples > 1 && symbol->outline.n > 0) {
-        tz_polys polys = {0};
-        memcpy(&polys.point, &symbol->outline, sizeof polys.point);
-        memcpy(&polys.part, &symbol->part, sizeof polys.part);
-        s = tz_polys_axis(ctx, &polys, MOST_REST, found, &n);
-    }
+    tz_vec2 found[TZ_BEND_SAMPLES];
+    int32_t n;
+    const tz_status s = find_rest(ctx, symbol, found, &n);
     if (s != TZ_OK)
         return s;
     if (n != samples)
@@ -67,9 +76,41 @@ tz_status tz_bend_rest(tz_ctx *ctx, const tz_element_symbol *symbol, int32_t sam
                        "symbol %.60s has %d samples at rest, its element has %d",
                        symbol->id ? symbol->id : "", n, samples);
     memcpy(out, found, (size_t)n * sizeof *out);
-    if (n == 1)
-        out[0] = (tz_vec2){0, 0};
     return TZ_OK;
+}
+
+void tz_bend_rests_deinit(tz_bend_rests *r)
+{
+    tz_free(r->ctx, r->samples);
+    tz_free(r->ctx, r->rest);
+    *r = (tz_bend_rests){0};
+}
+
+tz_status tz_bend_rests_init(tz_ctx *ctx, const tz_element_set *s, tz_bend_rests *r)
+{
+    const size_t n = (size_t)s->symbol.n;
+    *r = (tz_bend_rests){.set = s, .ctx = ctx};
+    tz_status st = tz_alloc_zero(ctx, &r->samples, n, sizeof *r->samples);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &r->rest, n * TZ_BEND_SAMPLES, sizeof *r->rest);
+    if (st != TZ_OK)
+        tz_bend_rests_deinit(r);
+    return st;
+}
+
+tz_status tz_bend_rests_warp(tz_bend_rests *r, int32_t i, tz_bend *b)
+{
+    const tz_element *e = &r->set->element.v[i];
+    tz_vec2 *rest = &r->rest[(ptrdiff_t)e->symbol * TZ_BEND_SAMPLES];
+    int32_t *n = &r->samples[e->symbol];
+    *b = (tz_bend){0};
+    if (e->samples > 1 && *n == 0) {
+        tz_status s = find_rest(r->ctx, &r->set->symbol.v[e->symbol], rest, n);
+        if (s != TZ_OK)
+            return s;
+    }
+    const bool fits = e->samples > 1 && *n == e->samples;
+    return tz_bend_from(r->ctx, r->set, i, fits ? rest : NULL, b);
 }
 
 void tz_element_snap(tz_element_set *s, int32_t i, const tz_vec2 *rest, tz_shape shape)
@@ -129,39 +170,54 @@ static bool rest_of_source(const tz_element_set *from, const tz_element *e, tz_v
     return true;
 }
 
-tz_status tz_bend_init(tz_ctx *ctx, const tz_element_set *s, int32_t i,
-                       const tz_element_set *from, tz_bend *b)
+tz_status tz_bend_from(tz_ctx *ctx, const tz_element_set *s, int32_t i,
+                       const tz_vec2 *rest, tz_bend *b)
 {
     const tz_element *e = &s->element.v[i];
-    const tz_element_symbol *y = &s->symbol.v[e->symbol];
     const size_t n = (size_t)e->samples;
-    *b = (tz_bend){.scale = e->scale, .angle = e->angle, .radius = y->radius, .ctx = ctx};
+    *b = (tz_bend){.scale = e->scale,
+                   .angle = e->angle,
+                   .radius = s->symbol.v[e->symbol].radius,
+                   .ctx = ctx};
     tz_status st = tz_alloc(ctx, &b->rest, n, sizeof *b->rest);
     if (st == TZ_OK)
         st = tz_alloc(ctx, &b->at, n, sizeof *b->at);
-    bool known = st == TZ_OK && e->samples > 1 && rest_of_source(from, e, b->rest);
-    if (st == TZ_OK && e->samples > 1 && !known) { /* no warp is no error */
-        st = tz_bend_rest(NULL, y, e->samples, b->rest);
-        known = st == TZ_OK;
-        st = st == TZ_INVALID ? TZ_OK : st;
-    }
     if (st != TZ_OK) {
         tz_bend_deinit(b);
         return st;
     }
-    for (int32_t k = 0; known && k < e->samples; k++) {
-        const tz_vec3 p = s->sample.v[e->sample + k].at;
-        b->at[k] = (tz_vec2){p.x, p.y};
-    }
-    b->n = known ? e->samples : 0;
+    b->at[0] = (tz_vec2){e->at.x, e->at.y}; /* of the plain pose */
+    b->n = rest && e->samples > 1 ? e->samples : 0;
     const tz_pose own = {{0, 0}, {e->at.x, e->at.y}, e->angle, e->scale};
     for (int32_t k = 0; k < b->n; k++) {
-        const tz_vec2 q = tz_pose_apply(own, b->rest[k]);
-        b->strain = fmax(b->strain, hypot(q.x - b->at[k].x, q.y - b->at[k].y));
+        const tz_vec3 p = s->sample.v[e->sample + k].at;
+        const tz_vec2 q = tz_pose_apply(own, rest[k]);
+        b->rest[k] = rest[k];
+        b->at[k] = (tz_vec2){p.x, p.y};
+        b->strain = fmax(b->strain, hypot(q.x - p.x, q.y - p.y));
     }
-    if (b->n == 0) /* its plain pose */
-        b->at[0] = (tz_vec2){e->at.x, e->at.y};
     return TZ_OK;
+}
+
+tz_status tz_bend_init(tz_ctx *ctx, const tz_element_set *s, int32_t i,
+                       const tz_element_set *from, tz_bend *b)
+{
+    const tz_element *e = &s->element.v[i];
+    tz_vec2 *rest = NULL;
+    *b = (tz_bend){0};
+    tz_status st = tz_alloc(ctx, &rest, (size_t)e->samples, sizeof *rest);
+    if (st != TZ_OK)
+        return st;
+    bool known = e->samples > 1 && rest_of_source(from, e, rest);
+    if (e->samples > 1 && !known) {
+        st = tz_bend_rest(NULL, &s->symbol.v[e->symbol], e->samples, rest);
+        known = st == TZ_OK;
+        st = st == TZ_INVALID ? TZ_OK : st; /* to have no warp is no error */
+    }
+    if (st == TZ_OK)
+        st = tz_bend_from(ctx, s, i, known ? rest : NULL, b);
+    tz_free(ctx, rest);
+    return st;
 }
 
 void tz_bend_deinit(tz_bend *b)

@@ -65,6 +65,9 @@ TZ_API tz_status tz_bend_rest(tz_ctx *ctx, const tz_element_symbol *symbol,
  * @return TZ_OK; TZ_NOMEM */
 TZ_API tz_status tz_bend_init(tz_ctx *ctx, const tz_element_set *s, int32_t i,
                               const tz_element_set *from, tz_bend *b);
+/** The same where the rest is known: e->samples points, or NULL for the plain pose. */
+TZ_API tz_status tz_bend_from(tz_ctx *ctx, const tz_element_set *s, int32_t i,
+                              const tz_vec2 *rest, tz_bend *b);
 TZ_API void tz_bend_deinit(tz_bend *b); /**< takes zeroed */
 /** Whether the element can be drawn unbent: its strain is below 1/50 of its radius. */
 static inline bool tz_bend_is_plain(const tz_bend *b)
@@ -87,5 +90,19 @@ TZ_API tz_status tz_bend_path(const tz_bend *b, const char *data, tz_vec2 origin
  * @return TZ_OK; TZ_UNSUPPORTED (other shapes, transforms: draw it unbent); TZ_NOMEM */
 TZ_API tz_status tz_bend_markup(const tz_bend *b, const char *markup, tz_vec2 origin,
                                 char **out);
+
+/** Rests of a layout's symbols, each found once: for who draws all of its elements. */
+typedef struct tz_bend_rests {
+    const tz_element_set *set;
+    int32_t *samples; /**< of each symbol: how many it has at rest, 0 = not looked yet */
+    tz_vec2 *rest;    /**< TZ_BEND_SAMPLES a symbol */
+    tz_ctx *ctx;
+} tz_bend_rests;
+#define TZ_BEND_SAMPLES 9 /**< that reading lays along a symbol, at most */
+TZ_API tz_status tz_bend_rests_init(tz_ctx *ctx, const tz_element_set *s,
+                                    tz_bend_rests *r);
+TZ_API void tz_bend_rests_deinit(tz_bend_rests *r); /**< takes zeroed */
+/** The warp of element i; its plain pose where the symbol's rest does not fit it. */
+TZ_API tz_status tz_bend_rests_warp(tz_bend_rests *r, int32_t i, tz_bend *b);
 
 #endif

@@ -379,8 +379,9 @@ static tz_status read_use(own *o, const entry *table, tz_svg_node n, tz_affine m
         s = read_place(o, n, &e, &index);
     if (s == TZ_OK)
         s = tz_element_is_hidden(r, n, &hidden);
-    if (s == TZ_OK && hidden && !(known && r->set.kind.v[e.kind].is_void))
-        return TZ_OK; /* void elements are hidden as they are written */
+    if (s == TZ_OK && hidden &&
+        !(known && (r->set.kind.v[e.kind].is_void || tz_svg_attr(n, "tz:bent"))))
+        return TZ_OK; /* void and bent elements are hidden as they are written */
     if (s == TZ_OK)
         s = read_samples(o, n, &e);
     if (s != TZ_OK)

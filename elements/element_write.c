@@ -6,15 +6,18 @@
  *   tz:place    "kind depth source flags x y z angle scale radius [index]",
  *               flags 1 = cut, 2 = fixed; index where drawing order is another order
  *   tz:samples  "x y z id weight ..." but for one sample of weight 1 in the middle
- * On a torus, copies marked tz:copy show what reaches over the border.
+ * On a torus, copies marked tz:copy show what reaches over the border. The <use> of a bent
+ * element is marked tz:bent and does not show; beside it, a tz:copy, its shape does.
  *
  * Photos: element_write_photo.c. */
+#include "elements/bend.h"
 #include "elements/element_io.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include "elements/bend.h"
 #include "elements/element_write_internal.h"
 
 /* ---- SVG --------------------------------------------------------------------------- */
@@ -128,22 +131,70 @@ static void put_copies(tz_svg_writer *w, const tz_element_set *s, const tz_eleme
         }
 }
 
-static tz_status put_element(tz_svg_writer *w, const tz_element_set *s, int32_t i,
-                             bool ordered)
+/** The bent shape beside a <use> that does not show: readers leave it out. */
+static void put_bent(tz_svg_writer *w, const tz_element_set *s, const tz_element *e,
+                     const char *markup)
 {
+    const tz_vec3 size = s->domain.size;
+    const int reach = s->domain.torus;
+    for (int j = -reach; j <= reach; j++)
+        for (int i = -reach; i <= reach; i++) {
+            const double x = e->at.x + i * size.x, y = e->at.y + j * size.y;
+            const double r = 2 * e->radius; /* bending moves things about */
+            if ((i != 0 || j != 0) &&
+                (x + r < 0 || y + r < 0 || x - r > size.x || y - r > size.y))
+                continue;
+            tz_svg_begin(w, "g");
+            tz_svg_set(w, "tz:copy", "1");
+            tz_svg_set_affine(w, "transform", (tz_affine){1, 0, 0, 1, x, y});
+            put_raw(w, markup);
+            tz_svg_end(w);
+        }
+}
+
+/** Markup of an element that is bent so far that one sees it, about its own place; NULL
+ * if it can be drawn as its symbol is. */
+static tz_status bend_element(tz_bend_rests *rests, const tz_element_set *s, int32_t i,
+                              char **markup)
+{
+    const tz_element *e = &s->element.v[i];
+    tz_bend b;
+    *markup = NULL;
+    const tz_element_symbol *y = &s->symbol.v[e->symbol];
+    if (e->samples < 2 || s->kind.v[e->kind].is_void || !*y->markup || y->photo_scale > 0)
+        return TZ_OK;
+    tz_status st = tz_bend_rests_warp(rests, i, &b);
+    if (st == TZ_OK && b.strain > 0.05 * b.radius * b.scale)
+        st = tz_bend_markup(&b, y->markup, (tz_vec2){e->at.x, e->at.y}, markup);
+    tz_bend_deinit(&b);
+    return st == TZ_UNSUPPORTED || st == TZ_FORMAT ? TZ_OK : st;
+}
+
+static tz_status put_element(tz_svg_writer *w, const tz_element_set *s, int32_t i,
+                             bool ordered, tz_bend_rests *rests)
+{
+    char *bent;
     const tz_element *e = &s->element.v[i];
     const bool is_void = s->kind.v[e->kind].is_void;
     const double place[11] = {e->kind,  e->depth,  e->source, e->cut + 2 * e->fixed,
                               e->at.x,  e->at.y,   e->at.z,   e->angle,
                               e->scale, e->radius, i};
+    tz_status st = bend_element(rests, s, i, &bent);
+    if (st != TZ_OK)
+        return st;
     put_use(w, s, e, 0, 0);
-    if (is_void)
+    if (is_void || bent)
         tz_svg_set(w, "display", "none");
+    if (bent)
+        tz_svg_set(w, "tz:bent", "1");
     tz_svg_set_numbers(w, "tz:place", place, ordered ? 10 : 11);
-    tz_status st = put_samples(w, s, e);
+    st = put_samples(w, s, e);
     tz_svg_end(w);
-    if (st == TZ_OK && s->domain.torus && !is_void)
+    if (st == TZ_OK && bent)
+        put_bent(w, s, e, bent);
+    else if (st == TZ_OK && s->domain.torus && !is_void)
         put_copies(w, s, e);
+    tz_free(s->ctx, bent);
     return st;
 }
 
@@ -161,9 +212,14 @@ static tz_status put_elements(tz_svg_writer *w, const tz_element_set *s)
     const int32_t n = s->element.n;
     int32_t *order = NULL;
     bool ordered = true;
+    tz_bend_rests rests = {0};
     tz_status st = tz_alloc(s->ctx, &order, (size_t)n, sizeof *order);
-    if (st != TZ_OK)
+    if (st == TZ_OK)
+        st = tz_bend_rests_init(s->ctx, s, &rests);
+    if (st != TZ_OK) {
+        tz_free(s->ctx, order);
         return st;
+    }
     for (int32_t i = 0; i < n; i++) {
         order[i] = i;
         ordered =
@@ -172,7 +228,8 @@ static tz_status put_elements(tz_svg_writer *w, const tz_element_set *s)
     if (!ordered)
         qsort_r(order, (size_t)n, sizeof *order, by_depth, s->element.v);
     for (int32_t i = 0; i < n && st == TZ_OK; i++)
-        st = put_element(w, s, order[i], ordered);
+        st = put_element(w, s, order[i], ordered, &rests);
+    tz_bend_rests_deinit(&rests);
     tz_free(s->ctx, order);
     return st;
 }

@@ -259,7 +259,7 @@ static double value_of(code c, double constant, tz_formula_place p)
 
 double tz_formula_at(const tz_formula *f, tz_formula_place place)
 {
-    double stack[STACK];
+    double stack[STACK] = {0};
     int n = 0;
     for (int32_t i = 0; i < f->step.n; i++) {
         const code c = (code)f->step.v[i].code;
@@ -267,9 +267,9 @@ double tz_formula_at(const tz_formula *f, tz_formula_place place)
             if (n >= STACK)
                 return NAN;
             stack[n++] = value_of(c, f->step.v[i].value, place);
-        } else if (c == NEGATE || (c >= SIN && c <= FLOOR)) {
+        } else if (n > 0 && (c == NEGATE || (c >= SIN && c <= FLOOR))) {
             stack[n - 1] = of_one(c, stack[n - 1]);
-        } else {
+        } else if (n > 1) {
             n--;
             stack[n - 1] = of_two(c, stack[n - 1], stack[n]);
         }

@@ -68,7 +68,7 @@ static void run(int32_t wanted, pattern pattern, const char *name, int threads, 
 {
     tz_ctx *ctx = bench_ctx(threads);
     const double side = 10 * sqrt((double)wanted);
-    tz_element_set from, out = {.domain = {{side, side, 0}, true}};
+    tz_element_set from, out = {.domain = {.size = {side, side, 0}, .torus = true}};
     tz_energy_params p;
     clock_hook c = {.n = 0};
     double step[64], energy[32];

@@ -304,6 +304,55 @@ static void test_markup(void **state)
     end_ctx(ctx);
 }
 
+static char *read_whole(const char *path)
+{
+    FILE *f = fopen(path, "r");
+    assert_non_null(f);
+    char *text = calloc(1, 1 << 20);
+    assert_true(fread(text, 1, (1 << 20) - 1, f) > 0);
+    fclose(f);
+    return text;
+}
+
+/* A layout of sticks that are bent: the document shows them bent, and reads back as it
+ * was; those that are straight stay uses of their symbol. */
+static void test_document(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(1);
+    char dir[64], path[128];
+    const char *drawing =
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 200 100'>"
+        "<path d='M20 20H100V28H20Z'/><path d='M20 60H100V68H20Z'/></svg>";
+    tz_element_set s, back;
+    ok(ctx, tz_element_parse_svg(ctx, "sticks", drawing, strlen(drawing), NULL, &s));
+    assert_int_equal(s.element.n, 2);
+    const tz_element *e = &s.element.v[1];
+    assert_true(e->samples > 2);
+    for (int32_t k = 0; k < e->samples; k++) { /* a bow */
+        tz_vec3 *at = &s.sample.v[e->sample + k].at;
+        at->y += (at->x - 60) * (at->x - 60) / 120;
+    }
+    begin_dir(dir);
+    snprintf(path, sizeof path, "%s/bent.svg", dir);
+    ok(ctx, tz_element_write_svg(ctx, path, &s));
+    char *text = read_whole(path), *hidden = strstr(text, "display=\"none\"");
+    assert_non_null(hidden);
+    assert_null(strstr(hidden + 1, "display=\"none\"")); /* one of two */
+    const char *shown = strstr(hidden, "<g tz:copy=\"1\"");
+    assert_non_null(shown);
+    assert_non_null(strstr(shown, "<path d=\"M"));
+    ok(ctx, tz_element_read_svg(ctx, path, NULL, &back));
+    assert_true(back.element.n == 2 && back.sample.n == s.sample.n);
+    for (int32_t k = 0; k < s.sample.n; k++)
+        assert_memory_equal(&back.sample.v[k].at, &s.sample.v[k].at, sizeof(tz_vec3));
+    free(text);
+    end_dir(dir);
+    tz_element_set_deinit(&s);
+    tz_element_set_deinit(&back);
+    end_ctx(ctx);
+}
+
 static tz_status body(tz_ctx *ctx)
 {
     tz_element_set s;
@@ -334,10 +383,15 @@ static void test_memory_runs_out(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pose),   cmocka_unit_test(test_pose_is_least_squares),
-        cmocka_unit_test(test_warp),   cmocka_unit_test(test_plain),
-        cmocka_unit_test(test_snap),   cmocka_unit_test(test_path),
-        cmocka_unit_test(test_markup), cmocka_unit_test(test_memory_runs_out),
+        cmocka_unit_test(test_pose),
+        cmocka_unit_test(test_pose_is_least_squares),
+        cmocka_unit_test(test_warp),
+        cmocka_unit_test(test_plain),
+        cmocka_unit_test(test_snap),
+        cmocka_unit_test(test_path),
+        cmocka_unit_test(test_markup),
+        cmocka_unit_test(test_document),
+        cmocka_unit_test(test_memory_runs_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

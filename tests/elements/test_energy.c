@@ -58,7 +58,8 @@ static void test_lattices_heal(void **state)
     static const pattern all[] = {PATTERN_SQUARE, PATTERN_HEX, PATTERN_CHESS};
     tz_ctx *ctx = new_ctx(2);
     for (size_t k = 0; k < sizeof all / sizeof all[0]; k++) {
-        tz_element_set from, start = {.domain = {{300, 300, 0}, true}}, out = start;
+        tz_element_set from, start = {.domain = {.size = {300, 300, 0}, .torus = true}},
+                             out = start;
         tz_energy_params p = defaults();
         double energy[11];
         ok(ctx, pattern_make(ctx, &from, all[k], cut_of(all[k]), 1));
@@ -90,7 +91,7 @@ static void test_fitting_patches(void **state)
                                   PATTERN_BRICK};
     tz_ctx *ctx = new_ctx(2);
     for (size_t k = 0; k < sizeof all / sizeof all[0]; k++) {
-        tz_element_set from, out = {.domain = {{300, 300, 0}, false}};
+        tz_element_set from, out = {.domain = {.size = {300, 300, 0}, .torus = false}};
         tz_energy_params p = defaults();
         double energy[11];
         p.border = 0; /* which costs something even where all fits */
@@ -111,7 +112,7 @@ static void test_noise_improves(void **state)
 {
     (void)state;
     tz_ctx *ctx = new_ctx(2);
-    tz_element_set from, out = {.domain = {{200, 150, 0}, false}};
+    tz_element_set from, out = {.domain = {.size = {200, 150, 0}, .torus = false}};
     tz_energy_params p = defaults();
     double energy[21];
     p.start = TZ_ENERGY_NOISE;
@@ -170,7 +171,7 @@ static void test_classes_keep_their_shares(void **state)
 {
     (void)state;
     tz_ctx *ctx = new_ctx(2);
-    tz_element_set from, out = {.domain = {{600, 600, 0}, false}};
+    tz_element_set from, out = {.domain = {.size = {600, 600, 0}, .torus = false}};
     const tz_energy_params p = defaults();
     ok(ctx, pattern_make(ctx, &from, PATTERN_MIXED,
                          (tz_domain){.size = {160, 160, 0}, .torus = false}, 1));
@@ -195,7 +196,7 @@ static void test_attributes(void **state)
 {
     (void)state;
     tz_ctx *ctx = new_ctx(2);
-    tz_element_set from, out = {.domain = {{200, 200, 0}, true}};
+    tz_element_set from, out = {.domain = {.size = {200, 200, 0}, .torus = true}};
     tz_energy_params p = defaults();
     ok(ctx, pattern_make(ctx, &from, PATTERN_SQUARE, cut_of(PATTERN_SQUARE), 1));
     from.kind.v[0].oriented = true;
@@ -335,7 +336,7 @@ static void test_after_and_cancel(void **state)
 {
     (void)state;
     tz_ctx *ctx = new_ctx(2);
-    tz_element_set from, out = {.domain = {{200, 200, 0}, true}};
+    tz_element_set from, out = {.domain = {.size = {200, 200, 0}, .torus = true}};
     const tz_energy_params p = defaults();
     calls c = {.ctx = ctx};
     const tz_energy_hook hook = {.after = count_calls, .user = &c};
@@ -378,7 +379,8 @@ static void test_odd_sizes(void **state)
     for (int32_t n = 1; n <= 3; n++) /* exemplars of one, two, three elements */
         for (int torus = 0; torus < 4; torus++)
             for (int start = 0; start < 2; start++) {
-                tz_element_set from, out = {.domain = {{100, 60, 0}, torus % 2 == 1}};
+                tz_element_set from,
+                    out = {.domain = {.size = {100, 60, 0}, .torus = torus % 2 == 1}};
                 tz_energy_params p = defaults();
                 p.start = start;
                 ok(ctx, pattern_begin(
@@ -389,7 +391,8 @@ static void test_odd_sizes(void **state)
                 solve_odd(ctx, &from, &out, p);
                 assert_true(out.element.n > 0);
                 /* a domain smaller than an element */
-                tz_element_set small = {.domain = {{2, 1, 0}, torus % 2 == 1}};
+                tz_element_set small = {
+                    .domain = {.size = {2, 1, 0}, .torus = torus % 2 == 1}};
                 solve_odd(ctx, &from, &small, p);
                 tz_element_set_deinit(&small);
                 tz_element_set_deinit(&out);
@@ -431,8 +434,9 @@ static void test_empty_output_and_bad_input(void **state)
 {
     (void)state;
     tz_ctx *ctx = new_ctx(1);
-    tz_element_set from, none = {.domain = {{10, 10, 0}, false}, .ctx = ctx};
-    tz_element_set out = {.domain = {{50, 50, 0}, false}}, empty = out;
+    tz_element_set from,
+        none = {.domain = {.size = {10, 10, 0}, .torus = false}, .ctx = ctx};
+    tz_element_set out = {.domain = {.size = {50, 50, 0}, .torus = false}}, empty = out;
     tz_energy_params p = defaults();
     double energy[11];
     ok(ctx, pattern_make(ctx, &from, PATTERN_SQUARE, cut_of(PATTERN_SQUARE), 1));
@@ -467,7 +471,8 @@ static void test_empty_output_and_bad_input(void **state)
 
 static tz_status small_run(tz_ctx *ctx)
 {
-    tz_element_set from = {0}, out = {.domain = {{60, 50, 0}, true}, .ctx = ctx};
+    tz_element_set from = {0},
+                   out = {.domain = {.size = {60, 50, 0}, .torus = true}, .ctx = ctx};
     tz_energy_params p = defaults();
     p.iterations = 2;
     tz_status s = pattern_make(ctx, &from, PATTERN_CHESS,
@@ -501,7 +506,7 @@ static void test_threads_do_not_matter(void **state)
     int32_t n = 0;
     for (int k = 0; k < 3; k++) {
         tz_ctx *ctx = new_ctx(threads[k]);
-        tz_element_set from, out = {.domain = {{1000, 1000, 0}, true}};
+        tz_element_set from, out = {.domain = {.size = {1000, 1000, 0}, .torus = true}};
         tz_energy_params p = defaults();
         p.iterations = 5;
         ok(ctx, pattern_make(ctx, &from, PATTERN_MIXED,
