@@ -12,7 +12,7 @@ enum {
     NEAR = 48, /* neighbours looked at */
     RARE = 50  /* one in so many pairs may be nearer */
 };
-/* Two farther apart than this share of their radii's sum are not side by side. */
+/* Two farther apart than this share of where they touch are not side by side. */
 static const double side_by_side = 1.5;
 /* Of the push that a pair lacks, per round: two sided, so that chains do not swing. */
 static const double step = 0.45;
@@ -20,6 +20,7 @@ static const double step = 0.45;
 void tz_spacing_deinit(tz_spacing *s)
 {
     tz_free(s->ctx, s->least);
+    tz_extents_deinit(&s->extents);
     *s = (tz_spacing){0};
 }
 
@@ -28,7 +29,7 @@ void tz_spacing_deinit(tz_spacing *s)
 /** Nearest partner of a class, as seen from one element. */
 typedef struct pair {
     int32_t key; /* of the two classes, the lower first; kinds^2 = any */
-    float share; /* distance over the radii's sum */
+    float share; /* distance over the one at which they touch */
 } pair;
 
 typedef TZ_ARRAY(pair)
@@ -37,6 +38,15 @@ pair_list;
 static int32_t key_of(const tz_spacing *s, int32_t a, int32_t b)
 {
     return a < b ? a * s->kinds + b : b * s->kinds + a;
+}
+
+/** Distance at which two elements touch; the offset from a to b. */
+static double touch(const tz_spacing *s, const tz_element *a, const tz_element *b,
+                    double dx, double dy)
+{
+    return a->symbol < s->extents.n && b->symbol < s->extents.n
+               ? tz_extent_touch(&s->extents, a, b, dx, dy)
+               : a->radius + b->radius;
 }
 
 static int32_t class_of(const tz_spacing *s, const tz_element *e)
@@ -85,7 +95,8 @@ static tz_status gather(const tz_spacing *s, const tz_element_set *set, const tz
     const int32_t n = tz_cells_near(c, at, at[i], reach, i, near, NEAR);
     for (int32_t k = 0; k < n; k++) {
         const tz_element *f = &set->element.v[near[k].id];
-        const double share = sqrt(near[k].dist2) / (e->radius + f->radius);
+        const double share =
+            sqrt(near[k].dist2) / touch(s, e, f, (double)near[k].x, (double)near[k].y);
         if (!counts(set, f) || share > side_by_side)
             continue;
         const pair p = {key_of(s, class_of(s, e), class_of(s, f)), (float)share};
@@ -148,6 +159,8 @@ tz_status tz_spacing_init(tz_ctx *ctx, const tz_element_set *exemplar, tz_spacin
     tz_status st = tz_alloc_zero(ctx, &s->least, (size_t)s->kinds * (size_t)s->kinds,
                                  sizeof *s->least);
     if (st == TZ_OK)
+        st = tz_extents_init(ctx, exemplar, &s->extents);
+    if (st == TZ_OK)
         st = tz_alloc(ctx, &at, (size_t)n, sizeof *at);
     if (st == TZ_OK && reach > 0)
         st = sort_places(ctx, exemplar, reach, at, &cells);
@@ -157,7 +170,7 @@ tz_status tz_spacing_init(tz_ctx *ctx, const tz_element_set *exemplar, tz_spacin
     if (st == TZ_OK)
         st = measure(s, &list);
     for (int32_t i = 0; st == TZ_OK && i < s->kinds * s->kinds; i++)
-        s->reach = fmax(s->reach, s->least[i]);
+        s->most = fmaxf(s->most, s->least[i]);
     tz_cells_free(ctx, &cells);
     tz_array_free(ctx, &list);
     tz_free(ctx, at);
@@ -184,17 +197,17 @@ static tz_vec2 push_of(const relax_job *j, int32_t i)
 {
     tz_nearby near[NEAR];
     const tz_element *e = &j->set->element.v[i];
-    const double reach = j->s->reach * (e->radius + j->largest);
+    const double reach = (double)j->s->most * (e->radius + j->largest);
     tz_vec2 sum = {0, 0};
     if (e->fixed || !counts(j->set, e) || !(reach > 0))
         return sum;
     const int32_t n = tz_cells_near(j->cells, j->at, j->at[i], reach, i, near, NEAR);
     for (int32_t k = 0; k < n; k++) {
         const tz_element *f = &j->set->element.v[near[k].id];
-        const double
-            d = sqrt(near[k].dist2),
-            least = j->s->least[class_of(j->s, e) * j->s->kinds + class_of(j->s, f)] *
-                    (e->radius + f->radius);
+        const double d = sqrt(near[k].dist2),
+                     least = (double)j->s->least[class_of(j->s, e) * j->s->kinds +
+                                                 class_of(j->s, f)] *
+                             touch(j->s, e, f, (double)near[k].x, (double)near[k].y);
         if (!counts(j->set, f) || d >= least)
             continue;
         /* coincident ones part, each in a direction of its own: the golden angle */
@@ -238,7 +251,7 @@ tz_status tz_spacing_relax(const tz_spacing *s, tz_element_set *layout, int32_t 
 {
     tz_ctx *ctx = s->ctx;
     const int32_t n = layout->element.n;
-    const double largest = largest_radius(layout), reach = 2 * largest * s->reach;
+    const double largest = largest_radius(layout), reach = 2 * largest * (double)s->most;
     tz_cells cells = {0};
     tz_vec3 *at = NULL;
     tz_vec2 *push = NULL;

@@ -9,18 +9,21 @@
 #ifndef TZ_ELEMENTS_SPACING_H
 #define TZ_ELEMENTS_SPACING_H
 
-#include "elements/element.h"
+#include "elements/extent.h"
 
 typedef struct tz_spacing {
     int32_t kinds; /**< told apart: those of the exemplar, 1 where there are over 128 */
-    float *least;  /**< kinds * kinds: share of the radii's sum that keeps two apart */
-    double reach;  /**< radii's sum of the two largest times the largest share */
+    float *least;  /**< kinds * kinds: share of the distance at which two touch that keeps
+                        them apart, see elements/extent.h */
+    float most;    /**< the largest of them */
+    tz_extents extents; /**< of the exemplar's symbols, which layouts share */
     tz_ctx *ctx;
 } tz_spacing;
 
-/** Measures an exemplar: of each pair of classes the distance over the sum of radii that
- * one in fifty nearest pairs undercuts; a class pair that is never side by side takes the
- * value over all pairs. Voids keep no distance.
+/** Measures an exemplar: of each pair of classes the distance, over the one at which two
+ * touch, that one in fifty nearest pairs undercuts; a class pair that is never side by side takes the
+ * value over all pairs. Voids keep no distance. Of a layout's elements those that have
+ * symbols of the exemplar are known; the others are discs.
  * @return TZ_OK; TZ_NOMEM @cost O(n) */
 TZ_API tz_status tz_spacing_init(tz_ctx *ctx, const tz_element_set *exemplar,
                                  tz_spacing *s);
