@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Photo to things:
+/* Photo to things (at double size where they are small):
  *
  *   photo -> strength of borders: edge forest times fine gradient   things_picture.c
  *         -> tree of regions, joined where borders are weak         things_tree.c
@@ -20,8 +20,11 @@
 #include "analysis/things_picture.h"
 #include "analysis/things_plate.h"
 
-#define STEP  5.0  /* px, width of superpixels: what is smaller is no thing */
-#define LEAST 16.0 /* px of the smallest thing there is */
+#define STEP         5.0 /* px, width of superpixels: what is smaller is no thing */
+#define SMALL        8.6 /* log2 px of the middle thing: smaller ones want the double size */
+#define MOST_DOUBLED 600000 /* px of a photo */
+#define DOUBT        0.4    /* of the certainty: more is no sure ground */
+#define LEAST        16.0   /* px of the smallest thing there is */
 
 static const tz_param rows[] = {
     {"size-range", TZ_PARAM_RANGE, offsetof(tz_things_params, size_range), 0, 1000000,
@@ -39,13 +42,23 @@ const tz_param_table tz_things_param_table = {
     "elements", "Finds the things of a photo and cuts them out", rows,
     (int32_t)(sizeof rows / sizeof *rows), sizeof(tz_things_params)};
 
+/* What is found at one size of the photo. */
+typedef struct search {
+    int32_t scale; /* 1 or 2 times the photo's size; 0 = nothing */
+    tz_things_view view;
+    tz_things_tree tree;
+    tz_things_nodes chosen;
+    tz_things_sizes sizes;
+    float *sure; /* of nodes */
+    double gain; /* of the choice, see things_choose.c */
+} search;
+
 typedef struct work {
     tz_ctx *ctx;
     const tz_image *photo;
     const tz_things_params *params;
-    tz_things_view view;
-    tz_things_tree tree;
-    tz_things_nodes chosen;
+    search best;
+    uint8_t *doubtful; /* pixels of things that may have been missed */
     int32_t *label, count;
     tz_things_found *found;
 } work;
@@ -54,20 +67,141 @@ typedef struct work {
 
 static double disc(double diameter) { return 0.25 * TZ_PI * diameter * diameter; }
 
+/* Pixels outside of chosen nodes that lie in one which is not surely no thing. */
+static tz_status find_doubtful(work *k)
+{
+    enum { HOLDS = 1, WITHIN = 2 }; /* a chosen node; in or at one */
+    const size_t n = (size_t)k->photo->width * (size_t)k->photo->height;
+    const search *r = &k->best;
+    const tz_things_tree *t = &r->tree;
+    const float limit = (float)(DOUBT * k->params->certainty);
+    uint8_t *where = NULL;
+    tz_status s = tz_alloc(k->ctx, &k->doubtful, n, 1);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(k->ctx, &where, (size_t)t->n, 1);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t i = 0; i < r->chosen.n; i++) {
+        for (int32_t v = r->chosen.v[i]; v >= 0 && !where[v]; v = t->node[v].parent)
+            where[v] = HOLDS;
+        where[r->chosen.v[i]] = WITHIN;
+    }
+    for (int32_t v = t->n - 1; v >= 0; v--) { /* sure becomes that of any node above */
+        const int32_t up = t->node[v].parent;
+        if (up >= 0 && where[up] == WITHIN)
+            where[v] = WITHIN;
+        r->sure[v] = where[v] ? 0 : fmaxf(r->sure[v], up >= 0 ? r->sure[up] : 0);
+    }
+    for (int32_t y = 0; y < k->photo->height; y++)
+        for (int32_t x = 0; x < k->photo->width; x++) {
+            const int32_t leaf =
+                t->leaf[(ptrdiff_t)y * r->scale * r->view.picture.width + x * r->scale];
+            k->doubtful[(ptrdiff_t)y * k->photo->width + x] = r->sure[leaf] > limit;
+        }
+    tz_free(k->ctx, where);
+    return TZ_OK;
+}
+
+static void forget(tz_ctx *ctx, search *r)
+{
+    tz_array_free(ctx, &r->chosen);
+    tz_free(ctx, r->sure);
+    tz_things_tree_deinit(&r->tree);
+    tz_things_view_deinit(ctx, &r->view);
+    *r = (search){0};
+}
+
+/* @param photo  at that scale */
+static tz_status look_for(const work *k, const tz_image *photo, int32_t scale, search *r)
+{
+    const double area = scale * scale, *range = k->params->size_range;
+    const double all = (double)photo->width * photo->height;
+    const tz_things_choice how = {.least = fmax(scale * LEAST, area * disc(range[0])),
+                                  .most = range[1] > 0 ? area * disc(range[1]) : all / 4,
+                                  .certainty = k->params->certainty};
+    *r = (search){.scale = scale};
+    tz_status s = tz_things_look(k->ctx, photo, k->params->model, &r->view);
+    if (s == TZ_OK)
+        s = tz_things_tree_grow(k->ctx, &r->view.picture, STEP, how.most, &r->tree);
+    if (s == TZ_OK)
+        s = tz_alloc(k->ctx, &r->sure, (size_t)r->tree.n, sizeof *r->sure);
+    if (s == TZ_OK)
+        s = tz_things_choose(k->ctx, &r->tree, &how, &r->chosen, r->sure, &r->sizes);
+    for (int32_t i = 0; s == TZ_OK && i < r->chosen.n; i++)
+        r->gain += r->sure[r->chosen.v[i]] - how.certainty;
+    if (s != TZ_OK)
+        forget(k->ctx, r);
+    return s;
+}
+
+/* Whether things are small enough for the double size to show more. */
+static bool wants_double(const work *k)
+{
+    const int64_t pixels = (int64_t)k->photo->width * k->photo->height;
+    const tz_things_sizes *sizes = &k->best.sizes;
+    return k->params->detail == TZ_THINGS_AUTO && pixels <= MOST_DOUBLED &&
+           (!sizes->known || sizes->middle < SMALL);
+}
+
+/* Pixel i of the double size lies at (i - 1/2) / 2 of the photo: 3/4 of the nearer one. */
+static tz_status make_twice(const work *k, tz_image *out)
+{
+    const tz_image *im = k->photo;
+    const int32_t w = im->width, h = im->height, c = im->channels;
+    const tz_status s = tz_image_init(k->ctx, out, 2 * w, 2 * h, c);
+    if (s != TZ_OK)
+        return s;
+    out->encoding = im->encoding;
+    out->alpha = im->alpha;
+    for (int32_t y = 0; y < 2 * h; y++)
+        for (int32_t x = 0; x < 2 * w; x++) {
+            const int32_t nx = x / 2, ny = y / 2;
+            int32_t fx = x % 2 ? nx + 1 : nx - 1, fy = y % 2 ? ny + 1 : ny - 1;
+            fx = fx < 0 ? 0 : fx < w ? fx : w - 1;
+            fy = fy < 0 ? 0 : fy < h ? fy : h - 1;
+            for (int32_t i = 0; i < c; i++)
+                tz_image_at(out, x, y)[i] = 0.75F * (0.75F * tz_image_at(im, nx, ny)[i] +
+                                                     0.25F * tz_image_at(im, fx, ny)[i]) +
+                                            0.25F * (0.75F * tz_image_at(im, nx, fy)[i] +
+                                                     0.25F * tz_image_at(im, fx, fy)[i]);
+        }
+    return TZ_OK;
+}
+
+static tz_status look_twice(work *k)
+{
+    tz_image twice = {0};
+    search r = {0};
+    tz_status s = make_twice(k, &twice);
+    if (s == TZ_OK)
+        s = look_for(k, &twice, 2, &r);
+    tz_image_deinit(&twice);
+    if (s != TZ_OK)
+        return s;
+    if (k->best.scale == 0 || r.gain > k->best.gain) {
+        const search old = k->best;
+        k->best = r;
+        r = old;
+    }
+    forget(k->ctx, &r);
+    return TZ_OK;
+}
+
 static tz_status find_regions(work *k)
 {
-    const double all = (double)k->photo->width * k->photo->height;
-    const double *range = k->params->size_range;
-    const tz_things_choice how = {.least = fmax(LEAST, disc(range[0])),
-                                  .most = range[1] > 0 ? disc(range[1]) : all / 4,
-                                  .certainty = k->params->certainty};
-    tz_things_sizes sizes;
-    tz_status s = tz_things_tree_grow(k->ctx, &k->view.picture, STEP, how.most, &k->tree);
+    tz_status s = TZ_OK;
+    if (k->params->detail != TZ_THINGS_DOUBLE)
+        s = look_for(k, k->photo, 1, &k->best);
+    if (s == TZ_OK && (k->params->detail == TZ_THINGS_DOUBLE || wants_double(k)))
+        s = look_twice(k);
+    const search *r = &k->best;
+    const size_t n = (size_t)r->view.picture.width * (size_t)r->view.picture.height;
     if (s == TZ_OK)
-        s = tz_things_choose(k->ctx, &k->tree, &how, &k->chosen, NULL, &sizes);
-    return s == TZ_OK ? tz_things_mask(k->ctx, &k->view.picture, &k->tree, &k->chosen,
-                                       LEAST, k->label, &k->count)
-                      : s;
+        s = tz_alloc(k->ctx, &k->label, n, sizeof *k->label);
+    if (s == TZ_OK)
+        s = tz_things_mask(k->ctx, &r->view.picture, &r->tree, &r->chosen,
+                           r->scale * LEAST, k->label, &k->count);
+    return s == TZ_OK ? find_doubtful(k) : s;
 }
 
 /* What is too thin to have an outline is no thing. */
@@ -92,6 +226,18 @@ static tz_status drop_empty(work *k)
     return TZ_OK;
 }
 
+/* Outlines of the double size, and labels, back to the photo's. */
+static tz_status scale_back(work *k, tz_things_outline *out)
+{
+    if (k->best.scale == 1)
+        return TZ_OK;
+    for (int32_t i = 0; i < k->count; i++)
+        for (int32_t j = 0; j < out[i].point.n; j++)
+            out[i].point.v[j] = tz_vec2_scale(out[i].point.v[j], 1.0 / k->best.scale);
+    return tz_things_paint(k->ctx, out, k->count, k->photo->width, k->photo->height,
+                           k->label);
+}
+
 static tz_status find_outlines(work *k)
 {
     const int32_t w = k->photo->width, h = k->photo->height;
@@ -100,8 +246,10 @@ static tz_status find_outlines(work *k)
     if (s == TZ_OK)
         s = tz_alloc_zero(k->ctx, &k->found, (size_t)k->count + 1, sizeof *k->found);
     if (s == TZ_OK)
-        s = tz_things_outlines(k->ctx, k->label, w, h, k->count, k->params->smoothing,
-                               out);
+        s = tz_things_outlines(k->ctx, k->label, k->best.scale * w, k->best.scale * h,
+                               k->count, k->best.scale * k->params->smoothing, out);
+    if (s == TZ_OK)
+        s = scale_back(k, out);
     for (int32_t i = 0; out && i < k->count; i++)
         if (k->found)
             k->found[i].outline = out[i];
@@ -163,9 +311,8 @@ static void work_deinit(work *k)
         tz_things_outline_deinit(k->ctx, &k->found[i].outline);
     tz_free(k->ctx, k->found);
     tz_free(k->ctx, k->label);
-    tz_array_free(k->ctx, &k->chosen);
-    tz_things_tree_deinit(&k->tree);
-    tz_things_view_deinit(k->ctx, &k->view);
+    tz_free(k->ctx, k->doubtful);
+    forget(k->ctx, &k->best);
 }
 
 tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
@@ -182,14 +329,9 @@ tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
     if (s != TZ_OK)
         return s;
     tz_progress_begin(ctx, "elements", "px", 4 * pixels);
-    if ((s = tz_alloc(ctx, &k.label, (size_t)pixels, sizeof *k.label)) != TZ_OK)
-        goto done;
-    if ((s = tz_things_look(ctx, photo, params->model, &k.view)) != TZ_OK)
-        goto done;
-    tz_progress_add(ctx, pixels);
     if ((s = find_regions(&k)) != TZ_OK)
         goto done;
-    tz_progress_add(ctx, pixels);
+    tz_progress_add(ctx, 2 * pixels);
     if ((s = find_outlines(&k)) != TZ_OK)
         goto done;
     if ((s = sort_found(&k)) != TZ_OK)
@@ -197,7 +339,7 @@ tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
     tz_progress_add(ctx, pixels);
     s = tz_things_make_set(ctx, photo, k.label, k.found, k.count, params->classes, out);
     if (s == TZ_OK && plate)
-        s = tz_things_plate(ctx, photo, k.label, plate);
+        s = tz_things_plate(ctx, photo, k.label, k.doubtful, plate);
     if (s == TZ_OK && tz_ctx_cancelled(ctx))
         s = TZ_CANCELLED;
     if (s == TZ_OK && label)

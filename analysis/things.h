@@ -12,6 +12,12 @@
 #include "base/param.h"
 #include "elements/element.h"
 
+typedef enum tz_things_detail {
+    TZ_THINGS_AUTO,
+    TZ_THINGS_NORMAL,
+    TZ_THINGS_DOUBLE
+} tz_things_detail;
+
 /** Table: tz_things_param_table. */
 typedef struct tz_things_params {
     double size_range[2]; /**< px, diameter of a circle of a thing's area, least and
@@ -19,6 +25,8 @@ typedef struct tz_things_params {
     int32_t classes;      /**< wanted number of kinds, 0 = automatic */
     double smoothing;     /**< px: deviation of the Gaussian that smooths outlines */
     double certainty;     /**< 0..1: what is less surely a thing is ground */
+    int32_t detail; /**< tz_things_detail: at which size of the photo to look; auto =
+                               double where things are small and the photo is, too */
     char model
         [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own;
                                      has no row: commands share that of tz_ebpt_params */
@@ -45,7 +53,7 @@ TZ_API extern const tz_param_table tz_things_param_table;
  * @param[out] label   NULL, or width * height: index of the element that is seen there,
  *                     -1 = ground; unspecified on error
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED; what the model reader returns
- * @cost O(pixels); memory about 150 bytes a px */
+ * @cost O(pixels), four times as much at double size; memory about 150 bytes a px */
 TZ_API tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
                                 const tz_things_params *params, tz_element_set *out,
                                 tz_image *plate, int32_t *label);

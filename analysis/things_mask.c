@@ -12,8 +12,9 @@
 enum { FAR = 30000 };
 
 #define CORE    0.5  /* of a thing's largest depth: deeper is its core */
-#define DEEPEST 0.35 /* of a thing's largest depth: as deep joints may cut */
-#define LEAST   3.5  /* Lab units: less than this is no joint */
+#define DEEPEST 0.25 /* of a thing's largest depth: as deep joints may cut */
+#define CLEAR   4.0  /* as many times nearer, squared, must be the joint's colour */
+#define LEAST   5.0  /* Lab units: less than this is no joint */
 
 typedef struct core {
     double colour[3], area;
@@ -166,7 +167,7 @@ static bool like_joint(const mask *m, int32_t p, const float *colour)
         joint += (v - colour[k]) * (v - colour[k]);
         own += (v - c->colour[k]) * (v - c->colour[k]);
     }
-    return joint < own;
+    return CLEAR * joint < own;
 }
 
 static tz_status spread_joints(mask *m)
@@ -201,7 +202,7 @@ static tz_status cut_joints(mask *m, double spread)
         s = tz_alloc_zero(m->ctx, &m->joint, n, sizeof *m->joint);
     if (s == TZ_OK) {
         measure_cores(m);
-        s = find_joints(m, fmax(LEAST, 0.35 * spread));
+        s = find_joints(m, fmax(LEAST, 0.5 * spread));
     }
     return s == TZ_OK ? spread_joints(m) : s;
 }

@@ -323,6 +323,16 @@ static tz_rect box_of(const tz_things_outline *o, int32_t height)
     return (tz_rect){0, top, 0, end > top ? end - top : 0};
 }
 
+tz_status tz_things_paint(tz_ctx *ctx, const tz_things_outline *o, int32_t count,
+                          int32_t width, int32_t height, int32_t *label)
+{
+    tz_status s = TZ_OK;
+    memset(label, 255, (size_t)width * (size_t)height * sizeof *label);
+    for (int32_t i = 0; i < count && s == TZ_OK; i++)
+        s = paint(ctx, &o[i], box_of(&o[i], height), i, width, label);
+    return s;
+}
+
 static void find_boxes(const int32_t *label, int32_t width, int32_t height, tz_rect *box)
 {
     for (int32_t y = 0; y < height; y++)
@@ -345,7 +355,6 @@ static void find_boxes(const int32_t *label, int32_t width, int32_t height, tz_r
 tz_status tz_things_outlines(tz_ctx *ctx, int32_t *label, int32_t width, int32_t height,
                              int32_t count, double smoothing, tz_things_outline *out)
 {
-    const size_t n = (size_t)width * (size_t)height;
     const int threads = tz_ctx_threads(ctx);
     job j = {.width = width,
              .height = height,
@@ -362,9 +371,7 @@ tz_status tz_things_outlines(tz_ctx *ctx, int32_t *label, int32_t width, int32_t
         s = tz_parallel_for(ctx, count, outline_one, &j);
     }
     if (s == TZ_OK)
-        memset(label, 255, n * sizeof *label);
-    for (int32_t i = 0; i < count && s == TZ_OK; i++)
-        s = paint(ctx, &out[i], box_of(&out[i], height), i, width, label);
+        s = tz_things_paint(ctx, out, count, width, height, label);
     for (int i = 0; j.window && i < threads; i++) {
         tz_free(ctx, j.window[i].v);
         tz_free(ctx, j.window[i].line);

@@ -26,6 +26,10 @@ typedef struct tz_things_outline {
  * @cost O(pixels in the things' boxes) */
 tz_status tz_things_outlines(tz_ctx *ctx, int32_t *label, int32_t width, int32_t height,
                              int32_t count, double smoothing, tz_things_outline *out);
+/** Gives each pixel whose centre an outline holds its number, -1 to the others; the first
+ * one counts where two hold it. */
+tz_status tz_things_paint(tz_ctx *ctx, const tz_things_outline *o, int32_t count,
+                          int32_t width, int32_t height, int32_t *label);
 void tz_things_outline_deinit(tz_ctx *ctx, tz_things_outline *o);
 
 /** Leaves out points that lie within `error` of the line between their neighbours that

@@ -33,6 +33,15 @@ tz_status rival_edge_drawing(tz_ctx *ctx, const rival_photo *photo, int op, doub
 tz_status rival_forest(tz_ctx *ctx, const rival_photo *photo, const char *model,
                        float *response, double *seconds);
 
+/** Things by watershed, as OpenCV's tutorial on image segmentation has it: Otsu's
+ * threshold, opening, distance transform, markers where that exceeds `share` of its
+ * largest value, watershed. (rivals_things_cv.cpp)
+ * @param inverted  things are darker than the ground
+ * @param[out] label  0 .. *labels - 1, -1 = ground and lines */
+tz_status rival_watershed(tz_ctx *ctx, const rival_photo *photo, double share,
+                          bool inverted, int32_t *label, int32_t *labels,
+                          double *seconds);
+
 #ifdef __cplusplus
 }
 #endif
