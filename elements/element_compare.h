@@ -17,7 +17,7 @@ typedef struct tz_element_likeness {
     double mean;        /**< of all ratios */
     double density;     /**< of the layout over the exemplar's (elements by area) */
     double overlaps[2]; /**< share of elements that overlap another (nearer than 0.8 of
-                             the radii's sum), exemplar, layout */
+                             where the two touch), exemplar, layout */
     double hole[2];     /**< radius of the widest disc inside the domain that touches no
                              element's circle, exemplar, layout */
     double distance[3]; /**< mean neighbourhood distance itself, [Dav19] Eq. (5) */

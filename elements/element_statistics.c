@@ -41,9 +41,12 @@ tz_status tz_field_init(tz_ctx *ctx, tz_field *f, const tz_element_set *s, tz_ve
                                           .angle = e->angle,
                                           .radius = e->radius,
                                           .kind = e->kind,
+                                          .element = e,
                                           .oriented = s->kind.v[e->kind].oriented,
                                           .is_void = s->kind.v[e->kind].is_void};
     }
+    if (st == TZ_OK)
+        st = tz_extents_init(ctx, s, &f->extents);
     if (st != TZ_OK)
         tz_field_deinit(f);
     return st;
@@ -51,6 +54,7 @@ tz_status tz_field_init(tz_ctx *ctx, tz_field *f, const tz_element_set *s, tz_ve
 
 void tz_field_deinit(tz_field *f)
 {
+    tz_extents_deinit(&f->extents);
     tz_free(f->ctx, f->item);
     tz_free(f->ctx, f->at);
     *f = (tz_field){0};
@@ -216,7 +220,9 @@ tz_status tz_field_overlaps(const tz_field *f, double *share)
                                         near, MOST_NEAR);
         for (int32_t k = 0; k < n; k++) {
             const tz_field_item *o = &f->item[near[k].id];
-            const double limit = near_enough * (r + o->radius);
+            const double limit =
+                near_enough * tz_extent_touch(&f->extents, f->item[i].element, o->element,
+                                              (double)near[k].x, (double)near[k].y);
             if (!o->is_void && o->radius <= r && (double)near[k].dist2 < limit * limit)
                 hit[i] = hit[near[k].id] = 1;
         }

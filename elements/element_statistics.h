@@ -4,7 +4,7 @@
 #ifndef TZ_ELEMENTS_ELEMENT_STATISTICS_H
 #define TZ_ELEMENTS_ELEMENT_STATISTICS_H
 
-#include "elements/element.h"
+#include "elements/extent.h"
 
 enum {
     TZ_STATISTICS_QUANTILES = 32, /**< of nearest distances */
@@ -19,6 +19,7 @@ typedef struct tz_field_item {
     double angle, radius;
     int32_t kind;
     bool oriented, is_void;
+    const tz_element *element;
 } tz_field_item;
 
 /** Elements in a rectangle that begins at 0, 0. */
@@ -28,9 +29,11 @@ typedef struct tz_field {
     int32_t n;
     tz_field_item *item;
     tz_vec3 *at; /**< once more, for cells */
+    tz_extents extents;
 } tz_field;
 
-/** A part of a set: shares of the width and height; all of it keeps its torus. */
+/** A part of a set, which must outlive it: shares of the width and height; all of it keeps
+ * its torus. */
 tz_status tz_field_init(tz_ctx *ctx, tz_field *f, const tz_element_set *s, tz_vec2 from,
                         tz_vec2 to);
 void tz_field_deinit(tz_field *f);
@@ -49,7 +52,8 @@ typedef struct tz_statistics {
  *  @cost O(n); of more than 4,096 elements every few are centres */
 tz_status tz_statistics_of(const tz_field *f, double spacing, double reach,
                            tz_statistics *out);
-/** Share of elements that overlap another: nearer than 0.8 of the sum of the radii. */
+/** Share of elements that overlap another: nearer than 0.8 of the distance at which the two
+ * touch, see elements/extent.h. */
 tz_status tz_field_overlaps(const tz_field *f, double *share);
 /** Radius of the widest disc in the domain that touches no element's circle, to about a
  * hundredth of the spacing. */

@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Shortest ray, of the radius. */
-static const double least = 0.1;
+static const float least = 0.1F;
 
 /** Raises the rays that an edge of an outline crosses. */
 static void cross(tz_extent *x, tz_vec2 p, tz_vec2 q)
@@ -40,7 +40,7 @@ static tz_extent extent_of(const tz_element_symbol *y)
     }
     const bool disc = y->outline.n < 2 || y->part.n == 0;
     for (int32_t i = 0; i < TZ_EXTENT_DIRECTIONS; i++)
-        x.r[i] = disc ? (float)y->radius : fmaxf(x.r[i], (float)(least * y->radius));
+        x.r[i] = disc ? 1 : fmaxf(x.r[i] / (float)y->radius, least);
     return x;
 }
 

@@ -10,7 +10,8 @@
 
 #define TZ_EXTENT_DIRECTIONS 64
 
-/** Of one symbol: farthest point of its outline on the ray of each direction. */
+/** Of one symbol: farthest point of its outline on the ray of each direction, over the
+ * symbol's radius. */
 typedef struct tz_extent {
     float r[TZ_EXTENT_DIRECTIONS];
 } tz_extent;
@@ -23,7 +24,7 @@ typedef struct tz_extents {
 } tz_extents;
 
 /** A symbol without an outline is a disc of its radius; no ray is shorter than a tenth of
- * it. @return TZ_OK; TZ_NOMEM @cost O(points of outlines * their angular spans) */
+ * that. @return TZ_OK; TZ_NOMEM @cost O(points of outlines * their angular spans) */
 TZ_API tz_status tz_extents_init(tz_ctx *ctx, const tz_element_set *set, tz_extents *x);
 TZ_API void tz_extents_deinit(tz_extents *x); /**< takes zeroed */
 
