@@ -98,6 +98,30 @@ tz_status tz_bend_rests_init(tz_ctx *ctx, const tz_element_set *s, tz_bend_rests
     return st;
 }
 
+/* An outline that was drawn anew may have its middle line elsewhere, which is no bend:
+ * bending keeps the length, and the element's own angle is that of its samples. */
+static bool belongs(const tz_element_set *s, const tz_element *e, const tz_vec2 *rest)
+{
+    const tz_sample *p = &s->sample.v[e->sample];
+    double at_rest = 0, now = 0, cosine = 0, sine = 0;
+    tz_vec2 a = {0, 0}, b = {0, 0};
+    for (int32_t k = 0; k < e->samples; k++) {
+        a.x += rest[k].x / e->samples, a.y += rest[k].y / e->samples;
+        b.x += p[k].at.x / e->samples, b.y += p[k].at.y / e->samples;
+        if (k == 0)
+            continue;
+        at_rest += hypot(rest[k].x - rest[k - 1].x, rest[k].y - rest[k - 1].y);
+        now += hypot(p[k].at.x - p[k - 1].at.x, p[k].at.y - p[k - 1].at.y);
+    }
+    for (int32_t k = 0; k < e->samples; k++) {
+        const double x = rest[k].x - a.x, y = rest[k].y - a.y;
+        const double u = p[k].at.x - b.x, v = p[k].at.y - b.y;
+        cosine += x * u + y * v, sine += x * v - y * u;
+    }
+    const double turn = remainder(atan2(sine, cosine) - e->angle, 2 * TZ_PI);
+    return fabs(now / (at_rest * e->scale) - 1) < 0.35 && fabs(turn) < 0.6;
+}
+
 tz_status tz_bend_rests_warp(tz_bend_rests *r, int32_t i, tz_bend *b)
 {
     const tz_element *e = &r->set->element.v[i];
@@ -109,7 +133,7 @@ tz_status tz_bend_rests_warp(tz_bend_rests *r, int32_t i, tz_bend *b)
         if (s != TZ_OK)
             return s;
     }
-    const bool fits = e->samples > 1 && *n == e->samples;
+    const bool fits = e->samples > 2 && *n == e->samples && belongs(r->set, e, rest);
     return tz_bend_from(r->ctx, r->set, i, fits ? rest : NULL, b);
 }
 

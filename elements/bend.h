@@ -102,7 +102,8 @@ typedef struct tz_bend_rests {
 TZ_API tz_status tz_bend_rests_init(tz_ctx *ctx, const tz_element_set *s,
                                     tz_bend_rests *r);
 TZ_API void tz_bend_rests_deinit(tz_bend_rests *r); /**< takes zeroed */
-/** The warp of element i; its plain pose where the symbol's rest does not fit it. */
+/** The warp of element i; its plain pose where the symbol's rest does not fit it: another
+ * number of samples, another length (by a third) or angle (by 0.6). */
 TZ_API tz_status tz_bend_rests_warp(tz_bend_rests *r, int32_t i, tz_bend *b);
 
 #endif

@@ -161,7 +161,8 @@ static tz_status bend_element(tz_bend_rests *rests, const tz_element_set *s, int
     tz_bend b;
     *markup = NULL;
     const tz_element_symbol *y = &s->symbol.v[e->symbol];
-    if (e->samples < 2 || s->kind.v[e->kind].is_void || !*y->markup || y->photo_scale > 0)
+    if (e->samples < 3 || e->cut || s->kind.v[e->kind].is_void || !*y->markup ||
+        y->photo_scale > 0)
         return TZ_OK;
     tz_status st = tz_bend_rests_warp(rests, i, &b);
     if (st == TZ_OK && b.strain > 0.05 * b.radius * b.scale)

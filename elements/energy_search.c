@@ -45,7 +45,7 @@ typedef struct quest {
     int32_t o, best;
     double cost; /* of the best, with the term of Eq. (6) */
     tz_vec2 q;   /* attributes of the centre */
-    double frame;
+    double frame, cosine, sine;
     bool border; /* Eq. (6) matters here */
 } quest;
 
@@ -74,7 +74,7 @@ static void add_neighbour(quest *k, int32_t id, tz_vec3 v, bool own)
 {
     tz_energy_state *t = k->t;
     tz_pairing_side *s = &k->w->side;
-    const double cosine = cos(k->frame), sine = sin(k->frame);
+    const double cosine = k->cosine, sine = k->sine;
     const tz_element *e = &t->set->element.v[t->owner[id]];
     const tz_vec2 q = tz_energy_attribute(t->x, e, k->frame);
     const int32_t label = t->label[id], j = s->n++;
@@ -135,7 +135,7 @@ static double outside(const quest *k, int32_t e)
     const tz_energy_state *t = k->t;
     const tz_pairing_side *s = &t->x->side[e];
     const tz_vec3 at = t->at[k->o];
-    const double cosine = cos(k->frame), sine = sin(k->frame);
+    const double cosine = k->cosine, sine = k->sine;
     double sum = 0;
     for (int32_t j = 0; j < t->x->inner[e]; j++) {
         const double x = (double)s->x[j], y = (double)s->y[j];
@@ -231,7 +231,7 @@ static void keep_pairs(const quest *k)
 {
     tz_energy_state *t = k->t;
     const tz_energy_exemplar *x = t->x;
-    const double cosine = cos(k->frame), sine = sin(k->frame);
+    const double cosine = k->cosine, sine = k->sine;
     for (int32_t j = 0; j < t->count[k->o]; j++) {
         const ptrdiff_t at = (ptrdiff_t)k->o * NEAR + j;
         const int32_t m = k->best < 0 ? -1 : k->w->best_to[j];
@@ -253,6 +253,7 @@ static void search_one(tz_energy_state *t, scratch *w, search_job *job, int32_t 
     quest k = {.t = t, .w = w, .o = o, .best = -1, .cost = INFINITY};
     const tz_element *e = &t->set->element.v[t->owner[o]];
     k.frame = tz_energy_frame(t, t->at[o]);
+    k.cosine = cos(k.frame), k.sine = sin(k.frame);
     k.q = tz_energy_attribute(t->x, e, k.frame);
     k.border = at_border(t, t->at[o]);
     gather(&k);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * The energy solver: one iteration at 1,000, 10,000 and 100,000 elements of one sample,
- * memory, and the least squares alone beside CHOLMOD's on the same equations.
+ * memory, and the least squares alone beside CHOLMOD's on the same equations; with a
+ * region, frames and existence.
  * @source [Ma11] Sec. 6.2: 5 s an iteration at 1,000 elements */
 #include "base/lsq.h"
 #include "elements/energy_internal.h"
@@ -97,6 +98,52 @@ static void run(int32_t wanted, pattern pattern, const char *name, int threads, 
     tz_ctx_free(ctx);
 }
 
+/* A disc, frames that turn about its middle, elements that come and go. */
+static void run_guided(int32_t wanted, int threads)
+{
+    tz_ctx *ctx = bench_ctx(threads);
+    enum { N = 256 };
+    const double side = 10 * sqrt(wanted / 0.7);
+    const tz_domain d = {.size = {side, side, 0}, .torus = false};
+    tz_element_set from, out = {.domain = d};
+    tz_energy_params p;
+    clock_hook c = {.n = 0};
+    double step[64];
+    float *mask;
+    tz_region *region;
+    tz_frames *frames;
+    tz_params_default(&tz_energy_param_table, &p);
+    p.existence = true;
+    bench_check(ctx, tz_alloc(ctx, &mask, N * N, sizeof *mask));
+    for (int32_t i = 0; i < N * N; i++)
+        mask[i] = hypot(i % N + 0.5 - N / 2, i / N + 0.5 - N / 2) < 0.472 * N;
+    const double t0 = bench_now();
+    bench_check(ctx, tz_region_from_mask(ctx, mask, N, N, d.size, false, &region));
+    const double t1 = bench_now();
+    bench_check(ctx, tz_frames_from_formula(ctx, "atan2(y-h/2, x-w/2)*180/pi", d.size,
+                                            false, &frames));
+    const double t2 = bench_now();
+    out.domain.region = region, out.domain.frames = frames;
+    bench_check(ctx, pattern_make(ctx, &from, PATTERN_JITTER,
+                                  (tz_domain){.size = {160, 160, 0}, .torus = false}, 5));
+    const tz_energy_hook hook = {.after = note, .user = &c};
+    const double cpu = bench_cpu();
+    bench_check(ctx, tz_energy_solve(ctx, &from, &p, &out, &hook, NULL));
+    const double used = bench_cpu() - cpu, all = bench_now() - t2;
+    for (int i = 1; i < c.n; i++)
+        step[i - 1] = (c.at[i] - c.at[i - 1]) * 1e3;
+    printf("energy guided %6d elements, %d threads: %8.2f ms an iteration, all %8.2f ms, "
+           "processor %8.2f ms an iteration; region of %d x %d %.2f ms, frames %.2f ms\n",
+           out.element.n, tz_ctx_threads(ctx), bench_median(step, c.n - 1), all * 1e3,
+           used * 1e3 / 11, N, N, (t1 - t0) * 1e3, (t2 - t1) * 1e3);
+    tz_element_set_deinit(&from);
+    tz_element_set_deinit(&out);
+    tz_region_free(region);
+    tz_frames_free(frames);
+    tz_free(ctx, mask);
+    tz_ctx_free(ctx);
+}
+
 int main(int argc, char **argv)
 {
     const int threads = argc > 1 ? atoi(argv[1]) : 0;
@@ -105,6 +152,7 @@ int main(int argc, char **argv)
         run(sizes[k], PATTERN_SQUARE, "lattice", threads, true);
         run(sizes[k], PATTERN_JITTER, "stochastic", threads, false);
         run(sizes[k], PATTERN_MIXED, "two-class", threads, false);
+        run_guided(sizes[k], threads);
     }
     return 0;
 }
