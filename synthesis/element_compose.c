@@ -7,29 +7,53 @@
 
 struct tz_element_composer {
     tz_composer *ground; /* NULL = none */
+    tz_layout layout;    /* of the ground in the canvas' size; only `place` is its own */
     tz_element_renderer *things;
+    bool bare; /* nothing shows over the ground */
     int32_t width, height;
     tz_image like; /* 1 x 1: what is rendered */
     tz_ctx *ctx;
 };
 
+/* The layout with its maps scaled to the canvas. */
+static tz_status fit_layout(tz_ctx *ctx, const tz_layout *l, tz_element_composer *c)
+{
+    const double sx = (double)c->width / l->width, sy = (double)c->height / l->height;
+    const int32_t side = l->width > l->height ? l->width : l->height;
+    tz_placement *place = NULL;
+    if (!(fabs(sx - sy) * side <= 1.5 * fmax(sx, 1)))
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: the ground is arranged for %d x %d px, the elements for "
+                       "%d x %d; arrange it in their proportions",
+                       (int)l->width, (int)l->height, (int)c->width, (int)c->height);
+    const tz_status s = tz_alloc(ctx, &place, (size_t)l->place.n, sizeof *place);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t k = 0; k < l->place.n; k++) {
+        place[k] = l->place.v[k];
+        place[k].map = tz_affine_then(place[k].map, (tz_affine){sx, 0, 0, sy, 0, 0});
+    }
+    c->layout = *l; /* sources and borders are the caller's */
+    c->layout.width = c->width;
+    c->layout.height = c->height;
+    c->layout.place.v = place;
+    return TZ_OK;
+}
+
 static tz_status make_ground(tz_ctx *ctx, const tz_element_ground *g, tz_map_kind kind,
                              tz_element_composer *c)
 {
-    if (g->layout->width != c->width || g->layout->height != c->height)
-        return tz_fail(ctx, TZ_INVALID,
-                       "render: the ground is arranged for %d x %d px, the elements for "
-                       "%d x %d; arrange it in their size",
-                       (int)g->layout->width, (int)g->layout->height, (int)c->width,
-                       (int)c->height);
-    tz_status s =
-        tz_composer_new(ctx, g->layout, g->photos, g->n, kind, g->params, &c->ground);
+    tz_status s = fit_layout(ctx, g->layout, c);
+    if (s == TZ_OK)
+        s = tz_composer_new(ctx, &c->layout, g->photos, g->n, kind, g->params,
+                            &c->ground);
     if (s != TZ_OK)
         return s;
     const tz_image *first = &g->photos[0];
     const int32_t colours = tz_photo_colours(first),
                   want = tz_element_renderer_colours(c->things);
-    if (colours != want || (first->alpha >= 0 && first->alpha != colours))
+    c->bare = c->things->index.showing.n == 0;
+    if ((colours != want && !c->bare) || (first->alpha >= 0 && first->alpha != colours))
         return tz_fail(ctx, TZ_INVALID,
                        "render: the ground has %d colours, the elements have %d; convert "
                        "one",
@@ -74,6 +98,7 @@ void tz_element_composer_free(tz_element_composer *c)
     if (!c)
         return;
     tz_composer_free(c->ground);
+    tz_free(c->ctx, c->layout.place.v);
     tz_element_renderer_free(c->things);
     tz_image_deinit(&c->like);
     tz_free(c->ctx, c);
@@ -112,7 +137,7 @@ tz_status tz_element_composer_render(tz_ctx *ctx, const tz_element_composer *c,
                        "render: output image has another size than the crop");
     if (c->ground) {
         const tz_status s = tz_composer_render(ctx, c->ground, rect, out);
-        if (s != TZ_OK)
+        if (s != TZ_OK || c->bare)
             return s;
     } else {
         for (int32_t y = 0; y < rect.h; y++)

@@ -9,7 +9,8 @@
 
 /** What lies beneath the elements. */
 typedef struct tz_element_ground {
-    const tz_layout *layout; /**< of the canvas' size; NULL = nothing lies beneath */
+    const tz_layout *layout; /**< of the canvas' proportions, in which it is shown;
+                                  NULL = nothing lies beneath */
     const tz_image *photos;  /**< of this map, one a source of the layout */
     int32_t n;
     const tz_compose_params *params; /**< NULL = defaults */
@@ -21,7 +22,7 @@ typedef struct tz_element_composer tz_element_composer;
 /** @param ground  NULL = nothing lies beneath; what it points to must outlive the composer
  *  @param set, photos, kind, params  as of tz_element_renderer_new
  *  @return as tz_composer_new and tz_element_renderer_new; TZ_INVALID where the ground has
- *    another size or other channels */
+ *    other proportions or channels */
 TZ_API tz_status tz_element_composer_new(tz_ctx *ctx, const tz_element_ground *ground,
                                          const tz_element_set *set,
                                          const tz_element_pixels *photos,

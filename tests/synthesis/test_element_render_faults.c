@@ -336,8 +336,31 @@ static void test_ground_and_things(void **state)
     unlink(path);
     tz_element_composer_free(d);
     assert_int_equal(tz_ctx_memory_used(poor), 0);
-    /* a ground of another size */
-    l.width++;
+    /* twice as large, the ground too: its means stay */
+    tz_element_render_params twice;
+    tz_params_default(&tz_element_render_param_table, &twice);
+    twice.scale = 2;
+    d = NULL;
+    OK(tz_element_composer_new(ctx, &ground, &s, &pic.p, TZ_MAP_COLOUR, &twice, &d));
+    tz_image big;
+    OK(tz_element_composer_image(ctx, d, 2 * W, 2 * H, &big));
+    OK(tz_element_composer_render(ctx, d, (tz_rect){0, 0, 2 * W, 2 * H}, &big));
+    for (int k = 0; k < 3; k++)
+        assert_true(fabs(sum_of(&big, k) / 4 - sum_of(&whole, k)) <
+                    0.02 * sum_of(&whole, k));
+    double off = 0;
+    for (int y = 0; y < H; y++)
+        for (int x = 0; x < W; x++) {
+            float mean = 0;
+            for (int k = 0; k < 4; k++)
+                mean += tz_image_at(&big, 2 * x + (k & 1), 2 * y + (k >> 1))[1] / 4;
+            off += fabs((double)mean - tz_image_at(&whole, x, y)[1]);
+        }
+    assert_true(off / (W * H) < 0.03);
+    tz_image_deinit(&big);
+    tz_element_composer_free(d);
+    /* a ground of other proportions */
+    l.width += 20;
     d = NULL;
     refused(ctx,
             tz_element_composer_new(ctx, &ground, &s, &pic.p, TZ_MAP_COLOUR, NULL, &d),
