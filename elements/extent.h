@@ -36,7 +36,7 @@ static inline double tz_extent_of(const tz_extents *x, const tz_element *e, doub
     const int32_t i = (int32_t)at & (TZ_EXTENT_DIRECTIONS - 1);
     const float *r = x->v[e->symbol].r;
     const double t = at - floor(at);
-    return e->scale * (r[i] * (1 - t) + r[(i + 1) & (TZ_EXTENT_DIRECTIONS - 1)] * t);
+    return e->radius * (r[i] * (1 - t) + r[(i + 1) & (TZ_EXTENT_DIRECTIONS - 1)] * t);
 }
 
 /** Distance at which two elements touch, b lying from a in direction (dx, dy). */
