@@ -186,7 +186,7 @@ static tz_status choose_drops(census *c)
 {
     const tz_energy_state *t = c->t;
     const int32_t n = t->set->element.n;
-    const double least = n > c->expected ? 0.5 : 0.35;
+    const double least = n > c->expected ? 0.6 : 0.35;
     /* far too many: half of them may go if some who see them have no partner */
     const double quota = 0.5 * (n + c->strong - (1 + SLACK) * c->expected);
     const double doubtful = 0.85;
@@ -353,7 +353,7 @@ static tz_status choose_wishes(census *c)
     const int32_t before = c->t->set->element.n - c->dropped;
     const double share = before < (1 - SLACK) * c->expected ? 0.2
                          : before < c->expected             ? 0.3
-                                                            : 0.45;
+                                                            : 0.75;
     return pick_wishes(c, fmax(3, share * c->mean), (1 + SLACK) * c->expected);
 }
 

@@ -303,6 +303,36 @@ static void test_existence(void **state)
         }
 }
 
+/* Two classes that meet out of step at the seams of random patches cannot pass each
+ * other, but they can end and begin. */
+static void test_two_classes_heal(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(2);
+    for (uint64_t seed = 0; seed < 3; seed++) {
+        double spread[3], mean;
+        for (int k = 0; k < 3; k++) { /* the start; without; with existence */
+            tz_element_set from, out = {.domain = {.size = {300, 300, 0}, .torus = true}};
+            tz_energy_params p = defaults();
+            p.tries = 1;
+            p.seed = seed;
+            p.iterations = k ? 20 : 0;
+            p.existence = k == 2;
+            ok(ctx, pattern_make(ctx, &from, PATTERN_CHESS, plain(80, 80), 1));
+            ok(ctx, tz_energy_solve(ctx, &from, &p, &out, NULL, NULL));
+            spread[k] = spread_of(&out, &mean);
+            if (k == 2)
+                assert_float_equal(out.element.n, 900, 28);
+            tz_element_set_deinit(&from);
+            tz_element_set_deinit(&out);
+        }
+        assert_true(spread[1] < spread[0]);
+        assert_true(spread[2] < 0.3 * spread[0]);
+        assert_true(spread[2] < 0.5 * spread[1]);
+    }
+    end_ctx(ctx);
+}
+
 /* What is whole is left alone, what is fixed always; density goes to the exemplar's. */
 static void test_existence_is_careful(void **state)
 {
@@ -483,6 +513,7 @@ int main(void)
         cmocka_unit_test(test_turned_lattice),
         cmocka_unit_test(test_zones),
         cmocka_unit_test(test_existence),
+        cmocka_unit_test(test_two_classes_heal),
         cmocka_unit_test(test_existence_is_careful),
         cmocka_unit_test(test_shapes),
         cmocka_unit_test(test_memory_runs_out),
