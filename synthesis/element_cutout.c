@@ -2,8 +2,10 @@
 /* Cut-outs: a symbol's pixels, made once, sampled under each copy's map.
  *
  * Planes hold colour times alpha, and alpha: interpolating these is right at soft borders.
- * The shadow is part of them: a thing over its shadow over whatever lies beneath is, by
- * associativity of "over", one layer of
+ * Colours are interpolated as sRGB, where a spline's swing past an edge shows as little on
+ * its dark side as on its light one (as compose.c does), and blended in linear light. A
+ * thing over its shadow over whatever lies beneath is, by associativity of "over", one
+ * layer of
  *   colour a F,   alpha 1 - (1 - a)(1 - s).
  * Copies moved by whole pixels take texels; others sample the cubic B-spline that runs
  * through them (compose_source.c). Smaller ones sample a plane that was halved as often as
@@ -163,9 +165,9 @@ static tz_f4 from_inside(const tz_cutout *c, const tz_matte *m, const tz_image *
                            raw);
 }
 
-/* One texel of level 0: premultiplied; *solid receives alpha without shadow. */
+/* One texel of level 0: linear, premultiplied; *shade receives the shadow. */
 static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_matte *m,
-                      tz_map_kind kind, int32_t u, int32_t v, float *solid)
+                      tz_map_kind kind, int32_t u, int32_t v, float *shade)
 {
     const tz_image *map = shown(p);
     const bool raw = kind != TZ_MAP_COLOUR, own = !p->map && !raw;
@@ -173,8 +175,8 @@ static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_m
     const double sx = 1 / c->mx, sy = 1 / c->my;
     const double x = (mx + 0.5) * sx, y = (my + 0.5) * sy;
     tz_f4 f;
-    float a, shade = 0;
-    *solid = 0;
+    float a;
+    *shade = 0;
     if (mx < 0 || my < 0 || mx >= map->width || my >= map->height) {
         a = 0, f = (tz_f4){0};
     } else if (own) { /* within the matte, which reaches farther */
@@ -190,42 +192,44 @@ static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_m
         f = f * (raw ? 1 : c->gain);
     }
     if (m->shade && !raw)
-        shade = over_pixel(m, m->shade, x, y, sx, sy);
+        *shade = over_pixel(m, m->shade, x, y, sx, sy);
     if (kind == TZ_MAP_NORMAL)
         for (int k = 0; k < 3; k++)
             f[k] -= 0.5F;
-    *solid = a;
     f = f * a;
-    f[3] = 1 - (1 - a) * (1 - shade);
+    f[3] = a;
     return f;
 }
 
 /* Half the size, each px the mean of four; what lies beyond is empty. */
-static tz_status halve(tz_ctx *ctx, const tz_image *in, tz_image *out)
+static tz_status halve(tz_ctx *ctx, tz_image *im)
 {
-    tz_status s = tz_image_init(ctx, out, (in->width + 1) / 2, (in->height + 1) / 2, 4);
-    for (int32_t y = 0; s == TZ_OK && y < out->height; y++)
-        for (int32_t x = 0; x < out->width; x++) {
-            tz_f4 sum = {0};
+    tz_image out = {0};
+    const int32_t n = im->channels;
+    const tz_status s =
+        tz_image_init(ctx, &out, (im->width + 1) / 2, (im->height + 1) / 2, n);
+    for (int32_t y = 0; s == TZ_OK && y < out.height; y++)
+        for (int32_t x = 0; x < out.width; x++)
             for (int k = 0; k < 4; k++) {
                 const int32_t u = 2 * x + (k & 1), v = 2 * y + (k >> 1);
-                if (u < in->width && v < in->height)
-                    sum += tz_load4(tz_image_at(in, u, v));
+                for (int32_t c = 0; c < n && u < im->width && v < im->height; c++)
+                    tz_image_at(&out, x, y)[c] += 0.25F * tz_image_at(im, u, v)[c];
             }
-            sum = sum * 0.25F;
-            memcpy(tz_image_at(out, x, y), &sum, sizeof sum);
-        }
+    if (s == TZ_OK) {
+        tz_image_deinit(im);
+        *im = out;
+    }
     return s;
 }
 
 /* Part of a sprite that is not empty, with room for splines to swing; w = 0: none. */
-static tz_rect full_part(const tz_image *im)
+static tz_rect full_part(const tz_image *im, const tz_image *shade)
 {
     enum { ROOM = 3 };
     int32_t x0 = im->width, y0 = im->height, x1 = -1, y1 = -1;
     for (int32_t y = 0; y < im->height; y++)
         for (int32_t x = 0; x < im->width; x++)
-            if (tz_image_at(im, x, y)[3] > 0) {
+            if (tz_image_at(im, x, y)[3] > 0 || *tz_image_at(shade, x, y) > 0) {
                 x0 = x < x0 ? x : x0, x1 = x > x1 ? x : x1;
                 y0 = y < y0 ? y : y0, y1 = y > y1 ? y : y1;
             }
@@ -246,60 +250,104 @@ static void trim(tz_cutout *c, const tz_element_symbol *y, tz_rect part)
     set_local(c, y);
 }
 
-static tz_status fill_planes(tz_ctx *ctx, tz_cutout *c, tz_image *im)
+/* As planes hold it: sRGB times alpha; notes the range of colours. */
+static tz_status encode(tz_ctx *ctx, tz_cutout *c, const tz_image *in, tz_image *out)
+{
+    tz_status s = tz_image_init(ctx, out, in->width, in->height, 4);
+    for (int32_t y = 0; y < in->height && s == TZ_OK; y++)
+        for (int32_t x = 0; x < in->width; x++) {
+            tz_f4 v = tz_load4(tz_image_at(in, x, y));
+            for (int k = 0; k < 3 && v[3] > 0; k++) {
+                float f = v[k] / v[3];
+                f = c->encoded ? tz_srgb_encode(f) : f;
+                c->lo[k] = f < c->lo[k] ? f : c->lo[k];
+                c->hi[k] = f > c->hi[k] ? f : c->hi[k];
+                v[k] = f * v[3];
+            }
+            memcpy(tz_image_at(out, x, y), &v, sizeof v);
+        }
+    out->encoding = TZ_ENCODING_DATA;
+    return s;
+}
+
+static tz_status fill_planes(tz_ctx *ctx, tz_cutout *c, tz_image *im, tz_image *shade)
 {
     tz_status s = TZ_OK;
+    c->lo = (tz_f4){INFINITY, INFINITY, INFINITY, 0};
+    c->hi = -c->lo;
     for (int32_t k = 0; k < TZ_CUTOUT_LEVELS && s == TZ_OK && c->levels >> k; k++) {
-        im->encoding = TZ_ENCODING_DATA;
-        if (c->levels >> k & 1)
-            s = tz_source_plane_init(ctx, &c->plane[k], im, im->width, im->height, true,
-                                     c->spline);
+        if (c->levels >> k & 1) {
+            tz_image ready = {0};
+            s = encode(ctx, c, im, &ready);
+            if (s == TZ_OK)
+                s = tz_source_plane_init(ctx, &c->plane[k], &ready, ready.width,
+                                         ready.height, true, c->spline);
+            if (s == TZ_OK && c->shaded)
+                s = tz_source_plane_init(ctx, &c->shade[k], shade, ready.width,
+                                         ready.height, true, c->spline);
+            tz_image_deinit(&ready);
+        }
         if (s == TZ_OK && c->levels >> (k + 1)) {
-            tz_image next = {0};
-            s = halve(ctx, im, &next);
-            tz_image_deinit(im);
-            *im = next;
+            s = halve(ctx, im);
+            if (s == TZ_OK && c->shaded)
+                s = halve(ctx, shade);
         }
     }
     return s;
+}
+
+/* All texels of level 0. */
+static void fill_texels(tz_cutout *c, const tz_element_pixels *p, const tz_matte *m,
+                        tz_map_kind kind, tz_image *im, tz_image *shade)
+{
+    for (int32_t v = 0; v < c->box.h; v++)
+        for (int32_t u = 0; u < c->box.w; u++) {
+            float *dark = tz_image_at(shade, u, v);
+            const tz_f4 t = texel_of(c, p, m, kind, u, v, dark);
+            memcpy(tz_image_at(im, u, v), &t, sizeof t);
+            c->solid[(int64_t)v * c->box.w + u] = (uint8_t)(t[3] * 255 + 0.5F);
+            c->shaded = c->shaded || *dark > 0;
+        }
 }
 
 tz_status tz_cutout_fill(tz_ctx *ctx, tz_cutout *c, const tz_element_symbol *y,
                          const tz_element_pixels *p, const tz_matte *m, tz_map_kind kind)
 {
-    tz_image im = {0};
+    tz_image im = {0}, shade = {0};
     if (c->empty || tz_rect_empty(m->box)) {
         c->empty = true;
         return TZ_OK;
     }
+    c->encoded = kind == TZ_MAP_COLOUR;
     tz_status s = tz_alloc(ctx, &c->solid, (size_t)c->box.w * (size_t)c->box.h, 1);
     if (s == TZ_OK)
         s = tz_image_init(ctx, &im, c->box.w, c->box.h, 4);
-    for (int32_t v = 0; v < c->box.h && s == TZ_OK; v++)
-        for (int32_t u = 0; u < c->box.w; u++) {
-            float solid;
-            const tz_f4 t = texel_of(c, p, m, kind, u, v, &solid);
-            memcpy(tz_image_at(&im, u, v), &t, sizeof t);
-            c->solid[(int64_t)v * c->box.w + u] = (uint8_t)(solid * 255 + 0.5F);
-        }
+    if (s == TZ_OK)
+        s = tz_image_init(ctx, &shade, c->box.w, c->box.h, 1);
     if (s == TZ_OK) {
-        const tz_rect part = full_part(&im);
+        fill_texels(c, p, m, kind, &im, &shade);
+        const tz_rect part = full_part(&im, &shade);
         c->empty = tz_rect_empty(part);
         if (!c->empty) {
-            tz_image view = tz_image_view(&im, part);
+            tz_image view = tz_image_view(&im, part), dark = tz_image_view(&shade, part);
+            view.encoding = dark.encoding = TZ_ENCODING_DATA;
             trim(c, y, part);
-            s = fill_planes(ctx, c, &view);
+            s = fill_planes(ctx, c, &view, &dark);
             tz_image_deinit(&view);
+            tz_image_deinit(&dark);
         }
     }
     tz_image_deinit(&im);
+    tz_image_deinit(&shade);
     return s;
 }
 
 void tz_cutout_deinit(tz_ctx *ctx, tz_cutout *c)
 {
-    for (int k = 0; k < TZ_CUTOUT_LEVELS; k++)
+    for (int k = 0; k < TZ_CUTOUT_LEVELS; k++) {
         tz_source_plane_deinit(ctx, &c->plane[k]);
+        tz_source_plane_deinit(ctx, &c->shade[k]);
+    }
     tz_free(ctx, c->solid);
     *c = (tz_cutout){0};
 }
@@ -359,30 +407,39 @@ static void sample_row(const tz_source_plane *s, const tz_cutout_view *v, int32_
         w->sum[q] *= 0.25F;
 }
 
-/* Brings samples back to what alpha and range allow: splines overshoot. */
-static inline tz_f4 settle(tz_f4 v, const tz_source_plane *s, tz_map_kind kind,
-                           const float *turn)
+static inline float linear_of(float v, const float *decode)
 {
-    float a = v[3];
+    if (!(v >= 0 && v <= 1))
+        return tz_srgb_decode(v);
+    const float u = v * TZ_DECODE;
+    const int32_t i = (int32_t)u;
+    return decode[i] + (u - (float)i) * (decode[i + 1] - decode[i]);
+}
+
+/* A sample as it is blended: within what alpha and range allow (splines overshoot), linear,
+ * normals turned; `shade` is the shadow there. */
+static inline tz_f4 settle(tz_f4 v, float shade, const tz_cutout *c, tz_map_kind kind,
+                           const float *turn, const float *decode)
+{
+    const float least = 1.0F / 2048;
+    const float a = v[3] < least ? 0 : v[3] > 1 ? 1 : v[3];
+    shade = shade < 0 ? 0 : shade > 1 ? 1 : shade;
+    tz_f4 out = {0, 0, 0, 1 - (1 - a) * (1 - shade)};
     if (a <= 0)
-        return (tz_f4){0};
-    if (a > 1) {
-        v = v / a;
-        a = 1;
-    }
+        return out;
+    v = v / v[3];
     if (kind == TZ_MAP_NORMAL) {
         const float nx = turn[0] * v[0] + turn[1] * v[1],
                     ny = turn[2] * v[0] + turn[3] * v[1], nz = v[2];
         const float l = sqrtf((nx * nx + ny * ny) + nz * nz);
         const float k = l > 1e-6F ? 0.5F * a / l : 0;
-        return (tz_f4){0.5F * a + k * nx, 0.5F * a + k * ny, 0.5F * a + k * nz, a};
+        return (tz_f4){0.5F * a + k * nx, 0.5F * a + k * ny, 0.5F * a + k * nz, out[3]};
     }
     for (int k = 0; k < 3; k++) {
-        const float hi = s->hi[k] > 0 ? s->hi[k] * a : 0,
-                    lo = s->lo[k] < 0 ? s->lo[k] * a : 0;
-        v[k] = v[k] < lo ? lo : v[k] > hi ? hi : v[k];
+        const float f = v[k] < c->lo[k] ? c->lo[k] : v[k] > c->hi[k] ? c->hi[k] : v[k];
+        out[k] = a * (c->encoded ? linear_of(f, decode) : f);
     }
-    return v;
+    return out;
 }
 
 /* Alpha without shadow: the nearest texel of level 0. */
@@ -423,11 +480,15 @@ void tz_cutout_draw(const tz_cutout *c, const tz_element_symbol *y, tz_affine ma
         if (!columns(&v.inv, &r, r.y + row, s->width, s->height, &from, &to))
             continue;
         sample_row(s, &v, from, r.y + row, to - from, w);
+        if (c->shaded)
+            tz_source_row(&c->shade[v.level], v.inv, v.exact, from, r.y + row, to - from,
+                          w->row);
         tz_f4 *px = layer->px + (int64_t)row * TZ_ELEMENT_TILE - r.x;
         for (int32_t x = from; x < to; x++) {
-            const tz_f4 t = w->sum[x - from];
+            const float dark = c->shaded ? w->row[x - from] : 0;
+            const tz_f4 t = settle(w->sum[x - from], dark, c, kind, v.turn, w->decode);
             if (t[3] > 0)
-                tz_layer_over(&px[x], settle(t, s, kind, v.turn));
+                tz_layer_over(&px[x], t);
         }
     }
 }

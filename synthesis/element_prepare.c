@@ -267,6 +267,10 @@ tz_status tz_element_renderer_new(tz_ctx *ctx, const tz_element_set *set,
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &r->cutout, symbols, sizeof *r->cutout);
     if (s == TZ_OK)
+        s = tz_alloc(ctx, &r->decode, TZ_DECODE + 2, sizeof *r->decode);
+    for (int k = 0; k < TZ_DECODE + 2 && s == TZ_OK; k++)
+        r->decode[k] = tz_srgb_decode((float)k / TZ_DECODE);
+    if (s == TZ_OK)
         s = tz_parallel_for(ctx, set->symbol.n + 1, prepare_drawing, r);
     for (int32_t i = 0; i < set->symbol.n && s == TZ_OK; i++)
         if (r->used[i] && tz_symbol_cut(&set->symbol.v[i]))
@@ -295,6 +299,7 @@ void tz_element_renderer_free(tz_element_renderer *r)
         tz_drawing_deinit(ctx, &r->drawing[i]);
     tz_showing_index_deinit(ctx, &r->index);
     tz_free(ctx, r->cutout);
+    tz_free(ctx, r->decode);
     tz_free(ctx, r->drawing);
     tz_free(ctx, r->used);
     tz_free(ctx, r);

@@ -48,9 +48,12 @@ typedef struct tz_layer_work {
     point; /**< flattened */
     TZ_ARRAY(bool)
     smooth;
+    const float *decode; /**< linear light of sRGB k / TZ_DECODE */
     const tz_vector_api *api;
     float decoded[256]; /**< linear light of sRGB k / 255, set along with api */
 } tz_layer_work;
+
+enum { TZ_DECODE = 4096 };
 
 /** Source over: (colour, alpha) premultiplied. */
 static inline void tz_layer_over(tz_f4 *at, tz_f4 v) { *at = v + *at * (1 - v[3]); }
@@ -143,13 +146,16 @@ tz_status tz_matte_shade(tz_ctx *ctx, const tz_matte_photo *p, const tz_f4 *phot
 
 enum { TZ_CUTOUT_LEVELS = 20 };
 
-/** A symbol's pixels: premultiplied planes at map px / 2^level. */
+/** A symbol's pixels: planes at map px / 2^level, colour (as sRGB) times alpha, alpha. */
 typedef struct tz_cutout {
     tz_rect box;    /**< map px of level 0 */
     uint8_t *solid; /**< alpha of level 0 without shadow, 0..255 */
     tz_source_plane plane[TZ_CUTOUT_LEVELS];
-    float mx, my;    /**< map px a photo px */
-    uint32_t levels; /**< bit of each level that is needed */
+    tz_source_plane shade[TZ_CUTOUT_LEVELS]; /**< 0 = light .. 1 = black, if shaded */
+    bool shaded, encoded;                    /**< encoded: colour as sRGB */
+    tz_f4 lo, hi;                            /**< range of colours, as planes hold them */
+    float mx, my;                            /**< map px a photo px */
+    uint32_t levels;                         /**< bit of each level that is needed */
     bool spline;     /**< some copy is not moved by whole pixels only */
     float gain;      /**< on colour, evens the light */
     tz_bounds local; /**< box in the symbol's units */
@@ -208,6 +214,7 @@ struct tz_element_renderer {
     bool *used;          /**< per symbol */
     tz_drawing *drawing; /**< per symbol, and the background */
     tz_cutout *cutout;   /**< per symbol */
+    float *decode;       /**< TZ_DECODE + 2 values: linear light of sRGB */
     tz_showing_index index;
     tz_ctx *ctx;
 };
