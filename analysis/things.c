@@ -58,6 +58,7 @@ typedef struct work {
     const tz_image *photo;
     const tz_things_params *params;
     search best;
+    int32_t scale;     /* of the labels, until they are scaled back */
     uint8_t *doubtful; /* pixels of things that may have been missed */
     int32_t *label, count;
     tz_things_found *found;
@@ -201,7 +202,11 @@ static tz_status find_regions(work *k)
     if (s == TZ_OK)
         s = tz_things_mask(k->ctx, &r->view.picture, &r->tree, &r->chosen,
                            r->scale * LEAST, k->label, &k->count);
-    return s == TZ_OK ? find_doubtful(k) : s;
+    if (s == TZ_OK)
+        s = find_doubtful(k);
+    k->scale = r->scale;
+    forget(k->ctx, &k->best); /* outlines need labels only */
+    return s;
 }
 
 /* What is too thin to have an outline is no thing. */
@@ -229,11 +234,11 @@ static tz_status drop_empty(work *k)
 /* Outlines of the double size, and labels, back to the photo's. */
 static tz_status scale_back(work *k, tz_things_outline *out)
 {
-    if (k->best.scale == 1)
+    if (k->scale == 1)
         return TZ_OK;
     for (int32_t i = 0; i < k->count; i++)
         for (int32_t j = 0; j < out[i].point.n; j++)
-            out[i].point.v[j] = tz_vec2_scale(out[i].point.v[j], 1.0 / k->best.scale);
+            out[i].point.v[j] = tz_vec2_scale(out[i].point.v[j], 1.0 / k->scale);
     return tz_things_paint(k->ctx, out, k->count, k->photo->width, k->photo->height,
                            k->label);
 }
@@ -246,8 +251,8 @@ static tz_status find_outlines(work *k)
     if (s == TZ_OK)
         s = tz_alloc_zero(k->ctx, &k->found, (size_t)k->count + 1, sizeof *k->found);
     if (s == TZ_OK)
-        s = tz_things_outlines(k->ctx, k->label, k->best.scale * w, k->best.scale * h,
-                               k->count, k->best.scale * k->params->smoothing, out);
+        s = tz_things_outlines(k->ctx, k->label, k->scale * w, k->scale * h, k->count,
+                               k->scale * k->params->smoothing, out);
     if (s == TZ_OK)
         s = scale_back(k, out);
     for (int32_t i = 0; out && i < k->count; i++)

@@ -16,6 +16,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define CUT 0.15 /* as much surer must be what the picture cuts */
+
 enum { ROUNDS = 3, FEW = 4, NODES_A_TASK = 2048 };
 
 typedef struct job {
@@ -44,13 +46,20 @@ static tz_status judge_some(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
+/* Pieces of ground that the picture's border closes off look like things that it cuts. */
+static float gain(const job *j, int32_t v)
+{
+    const double bar = j->how->certainty + (j->t->node[v].frame > 0 ? CUT : 0);
+    return j->sure[v] - (float)fmin(bar, 1);
+}
+
 /* Children stand before their parents. */
 static void weigh(const job *j)
 {
     const tz_things_tree *t = j->t;
     for (int32_t v = 0; v < t->n; v++) {
         const tz_things_node *n = &t->node[v];
-        const float own = j->sure[v] - (float)j->how->certainty;
+        const float own = gain(j, v);
         const float below =
             n->child[0] < 0 ? 0 : j->best[n->child[0]] + j->best[n->child[1]];
         j->best[v] = own > 0 && own >= below ? own : below;
@@ -65,7 +74,7 @@ static tz_status collect(tz_ctx *ctx, job *j, tz_things_nodes *chosen)
     /* best[v] < 0 marks what lies in a chosen node; parents come first from above */
     for (int32_t v = t->n - 1; v >= 0 && s == TZ_OK; v--) {
         const tz_things_node *n = &t->node[v];
-        const float own = j->sure[v] - (float)j->how->certainty;
+        const float own = gain(j, v);
         const bool taken = j->best[v] < 0;
         const bool take = !taken && own > 0 && own == j->best[v];
         if (take)

@@ -378,9 +378,10 @@ static tz_status fill_by_patches(plate *f, int32_t top)
             if (tz_ctx_cancelled(f->ctx))
                 return TZ_CANCELLED;
             measure(l);
-            search(l, 2 * k, (uint64_t)i);
-            if (i > 0 || top == 0)
+            if (!coarse || pixels < 500000) { /* else they are good enough */
+                search(l, 2 * k, (uint64_t)i);
                 search(l, 2 * k + 1, (uint64_t)i);
+            }
             s = vote(f->ctx, l);
         }
     }
