@@ -4,7 +4,8 @@
  *   min  sum over centres o, neighbours p:  w |u(p) - u(o) - pull(o, p)|^2
  *      + sum over samples o:                anchor |u(o)|^2
  *
- * with u the displacement of a sample and pull the predicted offset less the present one,
+ * with w the product of both weights, STIFF times as much within an element, u the
+ * displacement of a sample and pull the predicted offset less the present one,
  * so that a torus needs no special case. The anchor ([Dav19]: an element's own position
  * counts with weight 0.5) makes the system definite and well conditioned whatever its
  * size, so conjugate gradients from u = 0 take some dozen passes and every pass lowers
@@ -16,6 +17,9 @@
 
 enum { NEAR = TZ_ENERGY_NEAR, BLOCK = 4096, MOST_PASSES = 200 };
 #define TOLERANCE 1e-8
+/* Samples of one element hold together more than elements do: what may bend has no kinks
+ * where its neighbours disagree. */
+#define STIFF     8.0
 
 /* Normal equations: (diagonal - weights) u = right, row by row. */
 typedef struct fit {
@@ -110,7 +114,8 @@ static void fill_row(fit *f, int32_t o)
         const int32_t from = i < in ? t->edge.v[i] / NEAR : INT32_MAX;
         const int32_t to = j < out ? t->near[at] : INT32_MAX;
         const int32_t other = from < to ? from : to;
-        const double w = mine * (double)t->weight[other];
+        const double w = mine * (double)t->weight[other] *
+                         (t->owner[o] == t->owner[other] ? STIFF : 1);
         double both = 0;
         if (from == other) {
             const tz_energy_pull p = t->pull[t->edge.v[i++]];
