@@ -165,6 +165,17 @@ static tz_f4 from_inside(const tz_cutout *c, const tz_matte *m, const tz_image *
                            raw);
 }
 
+/* Evens the light of a colour. What a camera has clipped stays white: it would turn grey. */
+static tz_f4 evened(tz_f4 f, float gain, const tz_image *map)
+{
+    const float most = fmaxf(fmaxf(f[0], f[1]), f[2]);
+    if (gain < 1 && map->encoding == TZ_ENCODING_SRGB && most > 0.7F) {
+        const float t = fminf((most - 0.7F) / 0.3F, 1);
+        gain += (1 - gain) * t * t;
+    }
+    return f * gain;
+}
+
 /* One texel of level 0: linear, premultiplied; *shade receives the shadow. */
 static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_matte *m,
                       tz_map_kind kind, int32_t u, int32_t v, float *shade)
@@ -183,13 +194,13 @@ static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_m
         const int64_t at = (int64_t)(my - m->box.y) * m->box.w + (mx - m->box.x);
         const float *k = m->colour + 3 * at;
         a = m->alpha[at];
-        f = (tz_f4){k[0], k[1], k[2], 0} * c->gain;
+        f = evened((tz_f4){k[0], k[1], k[2], 0}, c->gain, map);
     } else {
         a = over_pixel(m, m->alpha, x, y, sx, sy);
         f = tz_photo_linear(map, mx, my, raw);
         if (a < 1)
             f += (1 - a * a) * (from_inside(c, m, map, x, y, raw) - f);
-        f = f * (raw ? 1 : c->gain);
+        f = raw ? f : evened(f, c->gain, map);
     }
     if (m->shade && !raw)
         *shade = over_pixel(m, m->shade, x, y, sx, sy);
