@@ -435,7 +435,7 @@ static tz_status solve_all(tz_ctx *ctx, tz_element_set *out)
     enum { N = 30 };
     float m[N * N];
     tz_region *r = NULL;
-    tz_frames *f = NULL;
+    float fx[4], fy[4];
     tz_zones z;
     uint8_t zone[3];
     uint64_t allow[3];
@@ -448,17 +448,18 @@ static tz_status solve_all(tz_ctx *ctx, tz_element_set *out)
     p.existence = true;
     p.iterations = 6;
     tz_status s = tz_region_from_mask(ctx, m, N, N, out->domain.size, false, &r);
-    if (s == TZ_OK)
-        s = tz_frames_from_formula(ctx, "x/4", out->domain.size, false, &f);
+    for (int i = 0; i < 4; i++)
+        fx[i] = (float)cos(0.3 * i), fy[i] = (float)sin(0.3 * i);
+    const tz_frames f = {
+        .raster = {2, 2, out->domain.size, false}, .x = fx, .y = fy, .ctx = ctx};
     if (s == TZ_OK)
         s = pattern_make(ctx, &from, PATTERN_MIXED, plain(100, 100), 1);
-    out->domain.region = r, out->domain.frames = f, out->domain.zones = &z;
+    out->domain.region = r, out->domain.frames = &f, out->domain.zones = &z;
     if (s == TZ_OK)
         s = tz_energy_solve(ctx, &from, &p, out, NULL, NULL);
     out->domain.region = NULL, out->domain.frames = NULL, out->domain.zones = NULL;
     tz_element_set_deinit(&from);
     tz_region_free(r);
-    tz_frames_free(f);
     return s;
 }
 
