@@ -25,7 +25,8 @@ typedef struct values {
 
 static const tz_param own_rows[] = {
     {"keep", TZ_PARAM_STRING, offsetof(arrange_params, keep), 0, 0, "", "FILE", NULL,
-     "Layout whose hand-placed things stay and are grown around; it also sets the size."},
+     "Layout whose hand-placed things stay and are grown around (all of its elements, "
+     "where --brush paints); it also sets the size."},
 };
 static const tz_param_table own_table = {"keep", "What stays as it is.", own_rows,
                                          sizeof own_rows / sizeof own_rows[0],

@@ -14,10 +14,71 @@ typedef struct run_state {
     const tz_elements_job *job;
     tz_record record;
     tz_element_exemplar exemplar;
-    tz_element_set layout;
+    tz_element_set layout, kept;
     tz_guides guides;
     char *path;
 } run_state;
+
+/* ---- what is kept -------------------------------------------------------------------- */
+
+static bool same_tables(const tz_element_set *a, const tz_element_set *b)
+{
+    bool same = a->kind.n == b->kind.n && a->symbol.n == b->symbol.n;
+    for (int32_t i = 0; same && i < a->kind.n; i++)
+        same = strcmp(a->kind.v[i].name, b->kind.v[i].name) == 0;
+    for (int32_t i = 0; same && i < a->symbol.n; i++)
+        same = strcmp(a->symbol.v[i].id, b->symbol.v[i].id) == 0;
+    return same;
+}
+
+/** Reads the layout to keep; it sets the size. */
+static tz_status read_kept(run_state *r, tz_domain *d)
+{
+    tz_cli *cli = r->cli;
+    const char *path = r->job->keep;
+    if (!*path)
+        return TZ_OK;
+    tz_status s = tz_elements_read(cli, path, r->job->medium, 0, &r->record, &r->kept);
+    if (s == TZ_OK)
+        s = tz_paths_add(cli->ctx, &r->exemplar.inputs, tz_cli_find(cli, path));
+    if (s == TZ_OK && !same_tables(&r->exemplar.set, &r->kept))
+        s = tz_fail(cli->ctx, TZ_INVALID,
+                    "--keep: %s was made from another exemplar than %s, or with other "
+                    "classes; give the one that it was made from",
+                    path, cli->operand[0]);
+    if (s == TZ_OK && tz_cli_given(cli, "size") &&
+        (d->size.x != r->kept.domain.size.x || d->size.y != r->kept.domain.size.y))
+        s = tz_fail(cli->ctx, TZ_INVALID,
+                    "--size %gx%g: the layout to keep, %s, is %g x %g; leave --size out",
+                    d->size.x, d->size.y, path, r->kept.domain.size.x,
+                    r->kept.domain.size.y);
+    if (s == TZ_OK)
+        *d = (tz_domain){.size = r->kept.domain.size, .torus = r->kept.domain.torus};
+    return s;
+}
+
+/** Brushes work on all that is there; else what was placed by hand stays and the rest is
+ * arranged anew. */
+static tz_status put_kept(run_state *r)
+{
+    const bool all = *r->job->guides->brush != 0;
+    tz_element_set *to = &r->layout;
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < r->kept.element.n && s == TZ_OK; i++) {
+        tz_element e = r->kept.element.v[i];
+        const int32_t first = e.sample;
+        if (!(all || e.fixed))
+            continue;
+        if (e.source >= r->exemplar.set.element.n)
+            e.source = -1;
+        e.sample = to->sample.n;
+        for (int32_t k = 0; k < e.samples && s == TZ_OK; k++)
+            s = tz_array_push(r->cli->ctx, &to->sample, r->kept.sample.v[first + k]);
+        if (s == TZ_OK)
+            s = tz_array_push(r->cli->ctx, &to->element, e);
+    }
+    return s;
+}
 
 static tz_status name_output(run_state *r, const tz_domain *d)
 {
@@ -111,8 +172,10 @@ tz_status tz_arrange_elements(tz_cli *cli, const tz_elements_job *job)
                                            job->analyze->model, &r.record, &r.exemplar);
     if (s == TZ_OK) {
         d = tz_element_domain(cli, &r.exemplar.set, job->arrange, job->grow);
-        s = name_output(&r, &d);
+        s = read_kept(&r, &d);
     }
+    if (s == TZ_OK)
+        s = name_output(&r, &d);
     if (s == TZ_OK)
         s = tz_guides_read(cli, job->guides, &r.exemplar.set, &r.record, &d, &r.guides);
     if (s == TZ_OK)
@@ -120,12 +183,15 @@ tz_status tz_arrange_elements(tz_cli *cli, const tz_elements_job *job)
     if (s == TZ_OK)
         s = tz_element_set_like(cli->ctx, &r.exemplar.set, &d, &r.layout);
     if (s == TZ_OK)
+        s = put_kept(&r);
+    if (s == TZ_OK)
         s = arrange(&r);
     if (s == TZ_OK)
         s = lay_ground(&r, &d);
     if (s == TZ_OK)
         s = write_layout(&r, &d);
     tz_element_set_deinit(&r.layout);
+    tz_element_set_deinit(&r.kept);
     tz_element_exemplar_free(cli, &r.exemplar);
     tz_guides_free(&r.guides);
     tz_record_free(cli, &r.record);
