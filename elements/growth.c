@@ -7,7 +7,8 @@
  *     fill what is left                               FILL
  *         visit once more those that found nothing good enough, and take what fits
  *         start anew in empty places that no seed reaches
- *     optimise everything once more                   POLISH
+ *     look for holes, and for room where it is too sparse   CLOSE, MEND
+ *     solve for all positions, if that is wished            POLISH
  *
  * Seeds are served in the order in which they came, so that the growth spreads as a disc.
  * A round takes a fixed number of them, whatever the budget of the step: the output does
@@ -27,7 +28,7 @@ enum { STARTS = 8, SAMPLED = 256, CELLS = 1 << 22 };
 static const double start_gap = 1.02, start_step = 0.33;
 
 /* Density is mended below this error. */
-static const float mend_below = -0.03F;
+static const float mend_below = -0.02F;
 
 static const tz_param rows[] = {
     {"seed", TZ_PARAM_UINT64, offsetof(tz_growth_params, seed), 0, 1.8e19, "1", "", NULL,
@@ -248,10 +249,8 @@ static tz_status prepare(tz_growth *g, const tz_element_set *set,
         s = add_given(g, i);
     for (int32_t i = 0; i < g->spot.n && s == TZ_OK; i++)
         match_given(g, i);
-    if (closed) { /* what is given stays as it is until a tool touches it */
+    if (closed) /* what is given stays as it is until a tool touches it */
         g->phase = DONE;
-        g->polished = g->spot.n;
-    }
     return s;
 }
 
@@ -463,17 +462,25 @@ static tz_status start(tz_growth *g)
         const tz_growth_exemplar *ex = &g->ex[t];
         const double hole = start_gap * ex->hole;
         const bool first = g->counted[t] == 0;
-        if (first) {
-            const tz_vec3 size = g->out->domain.size;
-            if (tz_growth_is_of(g, t, 0.5 * size.x, 0.5 * size.y))
-                x = 0.5 * size.x, y = 0.5 * size.y;
-            g->started = 0;
+        const double cx = 0.5 * g->out->domain.size.x, cy = 0.5 * g->out->domain.size.y;
+        if (first && tz_growth_is_of(g, t, cx, cy))
+            s = start_at(g, t, cx, cy, true, &started);
+        if (started || s != TZ_OK) {
+            g->started = 0; /* the place itself is still open */
+            break;
         }
         const double gap = tz_growth_gap(g, x, y, hole);
         if (first || gap >= hole || tz_growth_error(g, t) < 0)
             s = start_at(g, t, x, y, first, &started);
         if (!started && s == TZ_OK)
             tz_growth_decide_place(g, t, x, y, start_step * ex->spacing);
+    }
+    if (!started && s == TZ_OK) { /* scraps behind those that have started: empty */
+        int64_t from = 0;
+        while (tz_growth_next_open(g, &from, &x, &y)) {
+            const int32_t t = texture_at(g, x, y);
+            tz_growth_decide_place(g, t < 0 ? 0 : t, x, y, start_step * g->spacing);
+        }
     }
     g->phase = started ? GROW : CLOSE;
     return s;
@@ -513,7 +520,8 @@ static tz_status mend(tz_growth *g)
     while (g->mended < g->spot.n && g->rounds < TZ_GROWTH_BATCH && s == TZ_OK) {
         const int32_t i = g->mended++;
         const tz_growth_spot *q = &g->spot.v[i];
-        if (q->match >= 0 && tz_growth_error(g, q->texture) < mend_below)
+        if (q->match >= 0 && tz_growth_error(g, q->texture) < mend_below &&
+            q->first < g->ex[q->texture].unit[q->match].ring_due)
             s = tz_growth_visit(g, i, TZ_GROWTH_MEND, &grown);
     }
     if (g->mended >= g->spot.n)
@@ -567,21 +575,12 @@ static tz_status optimise(tz_growth *g)
     return TZ_OK;
 }
 
-/* Once over everything in the order of placement. */
-static void polish(tz_growth *g)
-{
-    while (g->polished < g->spot.n && g->rounds < 4 * TZ_GROWTH_BATCH)
-        g->round[g->rounds++] = g->polished++;
-    if (g->polished == g->spot.n || g->params.optimise != TZ_GROWTH_LOCAL)
-        g->phase = DONE;
-}
-
 tz_status tz_growth_step(tz_growth *g, int32_t budget, bool *more)
 {
     const int64_t until = (int64_t)g->placed + (budget > 1 ? budget : 1);
     tz_status s = TZ_OK;
     *more = g->phase != DONE;
-    while (s == TZ_OK && g->phase != DONE && (g->placed < until || g->phase == POLISH)) {
+    while (s == TZ_OK && g->phase != DONE && g->placed < until) {
         if (tz_ctx_cancelled(g->ctx))
             return TZ_CANCELLED;
         g->rounds = 0;
@@ -593,7 +592,7 @@ tz_status tz_growth_step(tz_growth *g, int32_t budget, bool *more)
         case START: s = start(g); break;
         case CLOSE: s = close_holes(g); break;
         case MEND: s = mend(g); break;
-        case POLISH: polish(g); break;
+        case POLISH: g->phase = DONE; break;
         case DONE: break;
         }
         if (s == TZ_OK)

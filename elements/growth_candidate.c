@@ -24,7 +24,7 @@ static const float crumbs = 0.02F, pieces = 0.1F;
 /* Errors of density from which on it is mended, and which none may add to. */
 static const float sparse = -0.01F, dense = 0.01F, crowded = 0.04F;
 /* Neighbours that a place must lack for each share that density or class is over. */
-static const float density_gain = 8;
+static const float density_gain = 8, mending = 30;
 /* Share of a distance that a place may lack, and spacings that it is pushed at most. */
 static const float slack = 0.6F, push = 0.35F;
 /* Cost of a verbatim copy: a step beyond its length, and at most. */
@@ -124,7 +124,7 @@ static bool is_welcome(const tz_growth *g, const tz_growth_exemplar *ex,
                 surplus += fmaxf(credit, (float)(q->first + 1 - e->ring_due) + error);
         }
     }
-    return surplus <= 0.01F && first <= u->ring_due;
+    return surplus <= 0.01F && first <= u->ring_due + (error < 0);
 }
 
 /* The new one is a neighbour of those around it. Those that found no fit try again. */
@@ -257,17 +257,18 @@ static float weariness(const tz_growth_exemplar *ex, const tz_growth_spot *q)
 
 /* The best unit; false if none passes the test. */
 static bool choose(const tz_growth *g, const tz_growth_spot *q,
-                   const tz_growth_view *view, bool loose, choice *best)
+                   const tz_growth_view *view, tz_growth_visiting how, choice *best)
 {
     const tz_growth_exemplar *ex = &g->ex[q->texture];
     const tz_growth_unit *m = &ex->unit[q->match];
     int32_t unit[TZ_GROWTH_COHERENT + 1], n = 0;
     float cost[TZ_GROWTH_COHERENT + 1], least = INFINITY, score = INFINITY;
     uint64_t used[TZ_GROWTH_COHERENT + 1];
+    const bool loose = how != TZ_GROWTH_STRICT;
     const bool again = q->visits > 1 && !loose; /* who knows no more is not asked again */
     if (!again || m->known)
         unit[n++] = q->match;
-    for (int32_t k = 0; k < m->coherents; k++)
+    for (int32_t k = 0; k < m->coherents && how != TZ_GROWTH_MEND; k++)
         if (!again || ex->unit[m->coherent[k]].known)
             unit[n++] = m->coherent[k];
     for (int32_t k = 0; k < n; k++) {
@@ -303,7 +304,8 @@ static bool is_wanted(const tz_growth *g, const tz_growth_exemplar *ex,
     if (u->source < 0) /* a void takes no room from others */
         return !decided;
     if (decided)
-        return error < sparse && is_welcome(g, ex, u, class, view);
+        return error < sparse &&
+               is_welcome(g, ex, u, class + mending * (error - sparse), view);
     if (cost >= well && error > crowded)
         return false;
     if (class > 0 || (cost >= well && error > dense))
@@ -401,7 +403,7 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, tz_growth_visiting how,
         tz_growth_undecided(g, q) <= (q->visits > 1 ? pieces : crumbs))
         return TZ_OK;
     tz_growth_look(g, q->x, q->y, g->ex[q->texture].unit[q->match].sight, seed, &view);
-    if (!choose(g, q, &view, how != TZ_GROWTH_STRICT, &c)) {
+    if (!choose(g, q, &view, how, &c)) {
         q->waiting = true;
         return TZ_OK;
     }

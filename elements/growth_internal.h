@@ -156,7 +156,7 @@ struct tz_growth {
     int32_t round[4 * TZ_GROWTH_BATCH * TZ_GROWTH_FREE], rounds; /* spots of this round */
     int32_t phase;   /* of the growth: see growth.c */
     int64_t started; /* how far the passes over places and spots are */
-    int32_t closed, filled, mended, polished;
+    int32_t closed, filled, mended;
     tz_vec2 box_lo, box_hi; /* where holes are looked for */
     int32_t solved;         /* spots when everything was solved last */
     tz_growth_node *node;

@@ -19,6 +19,7 @@ enum { SWEEPS = 4 };
 static const float own_weight = 0.5F; /* as in the authors' code */
 static const float old_weight = 12;   /* of what is not of this round */
 static const float farthest = 0.2F;   /* move in a round, spacings */
+static const double least = 5e-3;     /* of that: less is not worth a move */
 
 /* ---- predictions ----------------------------------------------------------------- */
 
@@ -148,7 +149,7 @@ static void move(tz_growth *g, int32_t spot, double dx, double dy)
     const tz_growth_unit *u = &g->ex[q->texture].unit[q->match];
     const double most = farthest * u->spacing, d = hypot(dx, dy);
     tz_growth_view view;
-    if (q->fixed || !(d > 1e-4 * most))
+    if (q->fixed || !(d > least * most))
         return;
     if (d > most)
         dx *= most / d, dy *= most / d;

@@ -79,17 +79,14 @@ tz_status tz_growth_remove(tz_growth *g)
     }
     g->queue_n = queued;
     memset(g->head, 0xff, (size_t)g->nx * (size_t)g->ny * sizeof *g->head);
-    int32_t polished = 0;
     for (int32_t i = 0; i < g->spot.n; i++) {
         if (spot[i] < 0)
             continue;
-        polished += i < g->polished;
         tz_growth_spot *q = &g->spot.v[spot[i]];
         *q = g->spot.v[i];
         q->out = q->out < 0 ? -1 : element[q->out];
     }
     g->spot.n = n;
-    g->polished = polished;
     g->filled = 0;
     for (int32_t i = 0; i < n; i++)
         tz_growth_link(g, i);

@@ -240,11 +240,167 @@ static void quality(tz_ctx *ctx, const char *from, const char *folder)
     }
 }
 
+/* ---- mean neighbourhood distance over time --------------------------------------- */
+
+/* A curve: seconds of work so far, elements, distance in spacings of the exemplar. */
+typedef struct curve {
+    const char *name;
+    int n;
+    double seconds[CURVE], elements[CURVE], distance[CURVE];
+} curve;
+
+static void note(tz_ctx *ctx, curve *c, const tz_element_set *ex,
+                 const tz_element_set *out, double seconds)
+{
+    tz_element_likeness l;
+    if (c->n == CURVE || out->element.n < 40)
+        return;
+    bench_check(ctx, tz_element_compare(ctx, ex, out, &l));
+    const double spacing = sqrt(ex->domain.size.x * ex->domain.size.y / ex->element.n);
+    c->seconds[c->n] = seconds;
+    c->elements[c->n] = out->element.n;
+    c->distance[c->n++] = l.distance[1] / spacing;
+}
+
+typedef struct watch {
+    tz_ctx *ctx;
+    const tz_element_set *ex;
+    curve *c;
+    double start, measured; /* seconds spent on measuring do not count */
+} watch;
+
+static tz_status observe(void *user, tz_element_set *out, int32_t iteration,
+                         double energy)
+{
+    (void)iteration, (void)energy;
+    watch *w = user;
+    const double now = bench_cpu();
+    note(w->ctx, w->c, w->ex, out, now - w->start - w->measured);
+    w->measured += bench_cpu() - now;
+    return TZ_OK;
+}
+
+static void follow_patches(tz_ctx *ctx, const tz_element_set *ex, const tz_domain *d,
+                           curve *c)
+{
+    tz_element_set out;
+    tz_energy_params p;
+    memset(&p, 0, sizeof p);
+    tz_params_default(&tz_energy_param_table, &p);
+    p.start = TZ_ENERGY_PATCHES;
+    p.tries = 1; /* as in the paper */
+    p.iterations = 40;
+    watch w = {.ctx = ctx, .ex = ex, .c = c, .start = bench_cpu()};
+    const tz_energy_hook hook = {.after = observe, .user = &w};
+    bench_check(ctx, tz_element_set_like(ctx, ex, d, &out));
+    bench_check(ctx, tz_energy_solve(ctx, ex, &p, &out, &hook, NULL));
+    tz_element_set_deinit(&out);
+}
+
+static void follow_growth(tz_ctx *ctx, const tz_element_set *ex, const tz_domain *d,
+                          int32_t optimise, curve *c)
+{
+    tz_element_set out;
+    tz_growth *g = NULL;
+    bool more = true;
+    tz_growth_params p = defaults();
+    p.optimise = optimise;
+    double measured = 0;
+    const double start = bench_cpu();
+    bench_check(ctx, tz_element_set_like(ctx, ex, d, &out));
+    bench_check(ctx, tz_growth_begin(ctx, ex, &p, &out, &g));
+    while (more) {
+        bench_check(ctx, tz_growth_step(g, 100, &more));
+        const double now = bench_cpu();
+        note(ctx, c, ex, &out, now - start - measured);
+        measured += bench_cpu() - now;
+    }
+    tz_growth_end(g);
+    tz_element_set_deinit(&out);
+}
+
+static void plot_panel(FILE *f, const char *name, const curve *c, double left)
+{
+    static const char *const colour[WAYS] = {"#888888", "#e08214", "#1b7837", "#2166ac"};
+    double longest = 1e-9, highest = 1e-9;
+    for (int w = 0; w < WAYS; w++)
+        for (int k = 0; k < c[w].n; k++) {
+            highest = fmax(highest, c[w].distance[k]);
+            if (w > 0)
+                longest = fmax(longest, c[w].seconds[k]);
+        }
+    longest *= 1.25; /* patches go on beyond the right border */
+    fprintf(f,
+            "<text x='%g' y='24'>%s</text><path d='M%g 40V280H%g' stroke='#000' "
+            "fill='none'/>\n<text x='%g' y='298'>0</text>"
+            "<text x='%g' y='298' text-anchor='end'>%.3f s</text>"
+            "<text x='%g' y='52'>%.3f spacings</text>\n",
+            left, name, left, left + 280, left, left + 280, longest, left + 4, highest);
+    for (int w = 0; w < WAYS; w++) {
+        fprintf(f, "<polyline fill='none' stroke='%s' stroke-width='1.5' points='",
+                colour[w]);
+        for (int k = 0; k < c[w].n && c[w].seconds[k] <= longest; k++)
+            fprintf(f, "%.1f,%.1f ", left + 280 * c[w].seconds[k] / longest,
+                    280 - 225 * c[w].distance[k] / highest);
+        fprintf(f, "'/>\n<text x='%g' y='%d' fill='%s'>%s: %.3f</text>\n", left + 120,
+                70 + 16 * w, colour[w], c[w].name,
+                c[w].n ? c[w].distance[c[w].n - 1] : 0);
+    }
+}
+
+static void distances(tz_ctx *ctx, const char *to)
+{
+    static const char *const name[3] = {"mosaic", "jittered", "random"};
+    static const int which[3] = {10, 3, 8};
+    static curve c[3][WAYS];
+    char path[512];
+    snprintf(path, sizeof path, "%s.csv", to);
+    FILE *csv = fopen(path, "w");
+    snprintf(path, sizeof path, "%s.svg", to);
+    FILE *svg = fopen(path, "w");
+    if (!csv || !svg) {
+        fprintf(stderr, "bench: %s cannot be written\n", path);
+        exit(1);
+    }
+    fprintf(csv, "exemplar,method,seconds,elements,distance\n");
+    fprintf(svg, "<svg xmlns='http://www.w3.org/2000/svg' width='980' height='310' "
+                 "font-family='sans-serif' font-size='12'>\n"
+                 "<rect width='980' height='310' fill='#fff'/>\n");
+    for (int e = 0; e < 3; e++) {
+        tz_element_set ex;
+        bench_check(ctx, draw(ctx, which[e], &ex));
+        const double scale = sqrt(2000.0 / ex.element.n);
+        const tz_domain d = {
+            .size = {ex.domain.size.x * scale, ex.domain.size.y * scale, 0}};
+        c[e][0].name = "patches", c[e][1].name = "growth alone";
+        c[e][2].name = "growth, local", c[e][3].name = "growth, global";
+        follow_patches(ctx, &ex, &d, &c[e][0]);
+        follow_growth(ctx, &ex, &d, TZ_GROWTH_NONE, &c[e][1]);
+        follow_growth(ctx, &ex, &d, TZ_GROWTH_LOCAL, &c[e][2]);
+        follow_growth(ctx, &ex, &d, TZ_GROWTH_GLOBAL, &c[e][3]);
+        plot_panel(svg, name[e], c[e], 30 + 320 * e);
+        for (int w = 0; w < WAYS; w++)
+            for (int k = 0; k < c[e][w].n; k++)
+                fprintf(csv, "%s,%s,%.5f,%.0f,%.5f\n", name[e], c[e][w].name,
+                        c[e][w].seconds[k], c[e][w].elements[k], c[e][w].distance[k]);
+        for (int w = 0; w < WAYS; w++)
+            if (c[e][w].n)
+                printf("distance %s %s %.4f s %.4f spacings\n", name[e], c[e][w].name,
+                       c[e][w].seconds[c[e][w].n - 1], c[e][w].distance[c[e][w].n - 1]);
+        tz_element_set_deinit(&ex);
+    }
+    fprintf(svg, "</svg>\n");
+    fclose(csv);
+    fclose(svg);
+}
+
 int main(int argc, char **argv)
 {
     tz_ctx *ctx = bench_ctx(1);
     if (argc > 2 && !strcmp(argv[1], "quality")) {
         quality(ctx, argv[2], argc > 3 ? argv[3] : NULL);
+    } else if (argc > 2 && !strcmp(argv[1], "distance")) {
+        distances(ctx, argv[2]);
     } else {
         const int runs = argc > 1 ? atoi(argv[1]) : 5;
         speed(ctx, runs < 1 ? 1 : runs > RUNS_MAX ? RUNS_MAX : runs);
