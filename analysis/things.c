@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Photo to things (at double size where they are small):
+/* Photo to things, at half, one or double size:
  *
  *   photo -> strength of borders: edge forest times fine gradient   things_picture.c
  *         -> tree of regions, joined where borders are weak         things_tree.c
@@ -20,8 +20,11 @@
 #include "analysis/things_picture.h"
 #include "analysis/things_plate.h"
 
-#define STEP         5.0 /* px, width of superpixels: what is smaller is no thing */
-#define SMALL        8.6 /* log2 px of the middle thing: smaller ones want the double size */
+#define STEP  5.0 /* px, width of superpixels: what is smaller is no thing */
+#define SMALL 8.6 /* log2 px of the middle thing: smaller ones want the double size */
+#define LARGE 9.0 /* the same: larger ones need no more than the size looked at */
+#define LEAST_HALVED \
+    300000 /* px of a photo: larger ones are looked at in half size first */
 #define MOST_DOUBLED 600000 /* px of a photo */
 #define DOUBT        0.4    /* of the certainty: more is no sure ground */
 #define LEAST        16.0   /* px of the smallest thing there is */
@@ -36,6 +39,10 @@ static const tz_param rows[] = {
      "px", NULL, "how much outlines are smoothed"},
     {"certainty", TZ_PARAM_DOUBLE, offsetof(tz_things_params, certainty), 0, 1, "0.35",
      "", NULL, "what is less surely a thing than this is ground"},
+    {"detail", TZ_PARAM_ENUM, offsetof(tz_things_params, detail), 0, 0, "auto", "",
+     "auto|normal|double",
+     "at which size of the photo to look for things; auto starts at half in large ones "
+     "and goes up to double in small ones"},
 };
 
 const tz_param_table tz_things_param_table = {
@@ -44,7 +51,7 @@ const tz_param_table tz_things_param_table = {
 
 /* What is found at one size of the photo. */
 typedef struct search {
-    int32_t scale; /* 1 or 2 times the photo's size; 0 = nothing */
+    double scale; /* 1/2, 1 or 2 times the photo's size; 0 = nothing */
     tz_things_view view;
     tz_things_tree tree;
     tz_things_nodes chosen;
@@ -58,7 +65,8 @@ typedef struct work {
     const tz_image *photo;
     const tz_things_params *params;
     search best;
-    int32_t scale;     /* of the labels, until they are scaled back */
+    double scale;      /* of the labels, until they are scaled back */
+    int32_t w, h;      /* size of the labels */
     uint8_t *doubtful; /* pixels of things that may have been missed */
     int32_t *label, count;
     tz_things_found *found;
@@ -95,8 +103,9 @@ static tz_status find_doubtful(work *k)
     }
     for (int32_t y = 0; y < k->photo->height; y++)
         for (int32_t x = 0; x < k->photo->width; x++) {
-            const int32_t leaf =
-                t->leaf[(ptrdiff_t)y * r->scale * r->view.picture.width + x * r->scale];
+            const ptrdiff_t at = (ptrdiff_t)(y * r->scale) * r->view.picture.width +
+                                 (ptrdiff_t)(x * r->scale);
+            const int32_t leaf = t->leaf[at];
             k->doubtful[(ptrdiff_t)y * k->photo->width + x] = r->sure[leaf] > limit;
         }
     tz_free(k->ctx, where);
@@ -113,11 +122,12 @@ static void forget(tz_ctx *ctx, search *r)
 }
 
 /* @param photo  at that scale */
-static tz_status look_for(const work *k, const tz_image *photo, int32_t scale, search *r)
+static tz_status look_for(const work *k, const tz_image *photo, double scale, search *r)
 {
     const double area = scale * scale, *range = k->params->size_range;
     const double all = (double)photo->width * photo->height;
-    const tz_things_choice how = {.least = fmax(scale * LEAST, area * disc(range[0])),
+    const tz_things_choice how = {.least =
+                                      fmax(fmax(scale, 1) * LEAST, area * disc(range[0])),
                                   .most = range[1] > 0 ? area * disc(range[1]) : all / 4,
                                   .certainty = k->params->certainty};
     *r = (search){.scale = scale};
@@ -133,15 +143,6 @@ static tz_status look_for(const work *k, const tz_image *photo, int32_t scale, s
     if (s != TZ_OK)
         forget(k->ctx, r);
     return s;
-}
-
-/* Whether things are small enough for the double size to show more. */
-static bool wants_double(const work *k)
-{
-    const int64_t pixels = (int64_t)k->photo->width * k->photo->height;
-    const tz_things_sizes *sizes = &k->best.sizes;
-    return k->params->detail == TZ_THINGS_AUTO && pixels <= MOST_DOUBLED &&
-           (!sizes->known || sizes->middle < SMALL);
 }
 
 /* Pixel i of the double size lies at (i - 1/2) / 2 of the photo: 3/4 of the nearer one. */
@@ -169,14 +170,40 @@ static tz_status make_twice(const work *k, tz_image *out)
     return TZ_OK;
 }
 
-static tz_status look_twice(work *k)
+/* Means of 2 x 2; the last row and column of an odd photo stand for two. */
+static tz_status make_half(const work *k, tz_image *out)
 {
-    tz_image twice = {0};
+    const tz_image *im = k->photo;
+    const int32_t w = (im->width + 1) / 2, h = (im->height + 1) / 2, c = im->channels;
+    const tz_status s = tz_image_init(k->ctx, out, w, h, c);
+    if (s != TZ_OK)
+        return s;
+    out->encoding = im->encoding;
+    out->alpha = im->alpha;
+    for (int32_t y = 0; y < h; y++)
+        for (int32_t x = 0; x < w; x++) {
+            const int32_t x1 = 2 * x + 1 < im->width ? 2 * x + 1 : 2 * x;
+            const int32_t y1 = 2 * y + 1 < im->height ? 2 * y + 1 : 2 * y;
+            for (int32_t i = 0; i < c; i++)
+                tz_image_at(out, x, y)[i] =
+                    0.25F *
+                    (tz_image_at(im, 2 * x, 2 * y)[i] + tz_image_at(im, x1, 2 * y)[i] +
+                     tz_image_at(im, 2 * x, y1)[i] + tz_image_at(im, x1, y1)[i]);
+        }
+    return TZ_OK;
+}
+
+/* Looks at the photo at another size; keeps what is found if more is gained by it. */
+static tz_status look_at(work *k, double scale)
+{
+    tz_image other = {0};
     search r = {0};
-    tz_status s = make_twice(k, &twice);
+    tz_status s = scale > 1   ? make_twice(k, &other)
+                  : scale < 1 ? make_half(k, &other)
+                              : TZ_OK;
     if (s == TZ_OK)
-        s = look_for(k, &twice, 2, &r);
-    tz_image_deinit(&twice);
+        s = look_for(k, scale == 1 ? k->photo : &other, scale, &r);
+    tz_image_deinit(&other);
     if (s != TZ_OK)
         return s;
     if (k->best.scale == 0 || r.gain > k->best.gain) {
@@ -188,23 +215,45 @@ static tz_status look_twice(work *k)
     return TZ_OK;
 }
 
+/* Things are seen best where they are about 10 to 40 px wide: finer grain than that
+ * parts them, coarser hides them. The photo is looked at in half its size first, where it
+ * is large, and in more only where things want it. */
+static tz_status look_around(work *k)
+{
+    const int64_t pixels = (int64_t)k->photo->width * k->photo->height;
+    const tz_things_sizes *sizes = &k->best.sizes;
+    const int32_t detail = k->params->detail;
+    tz_status s = TZ_OK;
+    if (detail == TZ_THINGS_DOUBLE)
+        return look_at(k, 2);
+    if (detail == TZ_THINGS_AUTO && pixels > LEAST_HALVED)
+        s = look_at(k, 0.5);
+    if (s != TZ_OK || (sizes->known && sizes->middle > LARGE))
+        return s;
+    s = look_at(k, 1);
+    if (s == TZ_OK && detail == TZ_THINGS_AUTO && pixels <= MOST_DOUBLED &&
+        k->best.scale == 1 && (!sizes->known || sizes->middle < SMALL))
+        s = look_at(k, 2);
+    return s;
+}
+
 static tz_status find_regions(work *k)
 {
-    tz_status s = TZ_OK;
-    if (k->params->detail != TZ_THINGS_DOUBLE)
-        s = look_for(k, k->photo, 1, &k->best);
-    if (s == TZ_OK && (k->params->detail == TZ_THINGS_DOUBLE || wants_double(k)))
-        s = look_twice(k);
+    tz_status s = look_around(k);
     const search *r = &k->best;
-    const size_t n = (size_t)r->view.picture.width * (size_t)r->view.picture.height;
-    if (s == TZ_OK)
-        s = tz_alloc(k->ctx, &k->label, n, sizeof *k->label);
+    k->scale = r->scale;
+    k->w = r->view.picture.width;
+    k->h = r->view.picture.height;
+    if (s == TZ_OK) /* room for the photo's own, too */
+        s = tz_alloc(k->ctx, &k->label,
+                     (size_t)(k->w > k->photo->width ? k->w : k->photo->width) *
+                         (size_t)(k->h > k->photo->height ? k->h : k->photo->height),
+                     sizeof *k->label);
     if (s == TZ_OK)
         s = tz_things_mask(k->ctx, &r->view.picture, &r->tree, &r->chosen,
-                           r->scale * LEAST, k->label, &k->count);
+                           fmax(r->scale, 1) * LEAST, k->label, &k->count);
     if (s == TZ_OK)
         s = find_doubtful(k);
-    k->scale = r->scale;
     forget(k->ctx, &k->best); /* outlines need labels only */
     return s;
 }
@@ -231,14 +280,18 @@ static tz_status drop_empty(work *k)
     return TZ_OK;
 }
 
-/* Outlines of the double size, and labels, back to the photo's. */
+/* Outlines, and labels, back to the photo's size. */
 static tz_status scale_back(work *k, tz_things_outline *out)
 {
-    if (k->scale == 1)
+    const double back = 1 / k->scale;
+    if (back == 1)
         return TZ_OK;
     for (int32_t i = 0; i < k->count; i++)
-        for (int32_t j = 0; j < out[i].point.n; j++)
-            out[i].point.v[j] = tz_vec2_scale(out[i].point.v[j], 1.0 / k->scale);
+        for (int32_t j = 0; j < out[i].point.n; j++) {
+            const tz_vec2 p = out[i].point.v[j];
+            out[i].point.v[j] = (tz_vec2){fmin(p.x * back, k->photo->width),
+                                          fmin(p.y * back, k->photo->height)};
+        }
     return tz_things_paint(k->ctx, out, k->count, k->photo->width, k->photo->height,
                            k->label);
 }
@@ -251,7 +304,7 @@ static tz_status find_outlines(work *k)
     if (s == TZ_OK)
         s = tz_alloc_zero(k->ctx, &k->found, (size_t)k->count + 1, sizeof *k->found);
     if (s == TZ_OK)
-        s = tz_things_outlines(k->ctx, k->label, k->scale * w, k->scale * h, k->count,
+        s = tz_things_outlines(k->ctx, k->label, k->w, k->h, k->count,
                                k->scale * k->params->smoothing, out);
     if (s == TZ_OK)
         s = scale_back(k, out);

@@ -26,7 +26,7 @@ typedef struct tz_things_params {
     double smoothing;     /**< px: deviation of the Gaussian that smooths outlines */
     double certainty;     /**< 0..1: what is less surely a thing is ground */
     int32_t detail; /**< tz_things_detail: at which size of the photo to look; auto =
-                               double where things are small and the photo is, too */
+                               the best of half, normal and, up to 0.6 Mpx, double */
     char model
         [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own;
                                      has no row: commands share that of tz_ebpt_params */

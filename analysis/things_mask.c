@@ -264,15 +264,17 @@ static tz_status keep_largest(tz_ctx *ctx, int32_t *label, int32_t w, int32_t h,
     for (int32_t l = 0; l < *count; l++)
         best[l] = -1;
     for (size_t p = 0; p < n; p++) {
-        int32_t *b = label[p] >= 0 ? &best[label[p]] : NULL;
-        if (b && (*b < 0 || area.v[of[p]] > area.v[*b]))
+        if (label[p] < 0 || !area.v)
+            continue;
+        int32_t *b = &best[label[p]];
+        if (*b < 0 || area.v[of[p]] > area.v[*b])
             *b = of[p];
     }
     for (size_t p = 0; p < n; p++)
         if (label[p] >= 0 && best[label[p]] != of[p])
             label[p] = -1;
     for (int32_t l = 0; l < *count; l++) /* best becomes the new number */
-        best[l] = best[l] >= 0 && area.v[best[l]] >= least_area ? kept++ : -1;
+        best[l] = area.v && best[l] >= 0 && area.v[best[l]] >= least_area ? kept++ : -1;
     for (size_t p = 0; p < n; p++)
         label[p] = label[p] >= 0 ? best[label[p]] : -1;
     *count = kept;

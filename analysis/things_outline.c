@@ -60,7 +60,7 @@ static tz_status open_window(window *f, tz_rect box, int32_t margin)
 
 static void blur(window *f, double sigma)
 {
-    float k[64];
+    float k[64] = {0};
     const int32_t r = (int32_t)fmin(ceil(3 * sigma), 31);
     double sum = 0;
     for (int32_t i = 0; i <= r; i++)

@@ -316,6 +316,15 @@ static tz_status vote(tz_ctx *ctx, level *l)
     return TZ_OK;
 }
 
+/* A first picture of the hole: each pixel as its own patch has it. */
+static void copy_places(level *l)
+{
+    for (ptrdiff_t p = 0; p < (ptrdiff_t)l->w * l->h; p++)
+        if (!l->known[p])
+            memcpy(l->v + p * CHANNELS, l->v + (ptrdiff_t)l->from[p] * CHANNELS,
+                   CHANNELS * sizeof *l->v);
+}
+
 static bool touches_hole(const level *l, int32_t x, int32_t y)
 {
     for (int32_t dy = -R; dy <= R; dy++)
@@ -366,14 +375,11 @@ static tz_status fill_by_patches(plate *f, int32_t top)
         const int64_t pixels = (int64_t)l->w * l->h;
         const int32_t rounds = i == top          ? 6
                                : pixels < 70000  ? 4
-                               : pixels < 300000 ? 2
+                               : pixels < 200000 ? 2
                                                  : 1;
         s = start(f, l, coarse, (uint64_t)i);
-        if (s == TZ_OK && coarse) { /* a first picture of the hole from those places */
-            for (int64_t p = 0; p < pixels; p++)
-                l->error[p] = 1;
-            s = vote(f->ctx, l);
-        }
+        if (s == TZ_OK && coarse)
+            copy_places(l);
         for (int32_t k = 0; k < rounds && s == TZ_OK; k++) {
             if (tz_ctx_cancelled(f->ctx))
                 return TZ_CANCELLED;

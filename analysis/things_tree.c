@@ -17,6 +17,7 @@
  * smaller one are touched then (small to large: n log n in all). */
 #include "analysis/things_tree.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,6 +126,7 @@ static tz_status add_pair(graph *g, int32_t a, int32_t b, float edge, float ligh
             return s;
         slot = find(g, a, b);
     }
+    assert(g->arc.v && *slot > 0);
     arc *e = &g->arc.v[*slot - 1];
     e->length++;
     e->edge += edge;

@@ -53,7 +53,7 @@ tz_status tz_element_read_image(tz_element_reader *r, tz_svg_node n)
 {
     const bool plate = tz_svg_attr(n, "tz:plate") != NULL;
     const char *href = tz_svg_attr(n, "xlink:href"), *sha = tz_svg_attr(n, "tz:sha256");
-    double number, size[2];
+    double number = 0, size[2] = {0};
     tz_element_photo *p;
     char *path = NULL;
     if (!plate && !tz_svg_attr(n, "tz:photo"))
@@ -178,7 +178,7 @@ static bool sane(const tz_element_symbol *y)
 tz_status tz_element_read_cut(tz_element_reader *r, tz_svg_node symbol,
                               tz_element_symbol *y)
 {
-    double from[4];
+    double from[4] = {0};
     tz_svg_path path = {0};
     tz_affine map;
     tz_svg_node node = clip_of(r, symbol);
