@@ -10,7 +10,6 @@
  * element is marked tz:bent and does not show; beside it, a tz:copy, its shape does.
  *
  * Photos: element_write_photo.c. */
-#include "elements/bend.h"
 #include "elements/element_io.h"
 
 #include <stdlib.h>
