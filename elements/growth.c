@@ -428,7 +428,7 @@ double tz_growth_gap(const tz_growth *g, double x, double y, double most)
     for (int32_t i = 0; i < view.n; i++) {
         const tz_growth_seen *o = &view.v[i];
         if (g->spot.v[o->spot].out >= 0)
-            most = fmin(most, hypot(o->x, o->y) - o->r);
+            most = fmin(most, (double)hypotf(o->x, o->y) - o->r);
     }
     return most;
 }
