@@ -24,7 +24,7 @@
 #define SMALL 8.6 /* log2 px of the middle thing: smaller ones want the double size */
 #define LARGE 9.0 /* the same: larger ones need no more than the size looked at */
 #define LEAST_HALVED \
-    300000 /* px of a photo: larger ones are looked at in half size first */
+    150000 /* px of a photo: larger ones are looked at in half size first */
 #define MOST_DOUBLED 600000 /* px of a photo */
 #define DOUBT        0.4    /* of the certainty: more is no sure ground */
 #define LEAST        16.0   /* px of the smallest thing there is */
