@@ -53,7 +53,7 @@ TZ_API extern const tz_param_table tz_things_param_table;
  * @param[out] label   NULL, or width * height: index of the element that is seen there,
  *                     -1 = ground; unspecified on error
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED; what the model reader returns
- * @cost O(pixels), four times as much at double size; memory about 150 bytes a px */
+ * @cost O(pixels), four times as much at double size; memory about 220 bytes a px */
 TZ_API tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
                                 const tz_things_params *params, tz_element_set *out,
                                 tz_image *plate, int32_t *label);

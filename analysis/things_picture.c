@@ -3,21 +3,22 @@
  * grain but is blunt, and the fine gradient of colour, which is sharp. */
 #include "analysis/things_picture.h"
 
-#include <stdlib.h>
+#include <math.h>
 
 #include "analysis/forest.h"
 #include "analysis/scale.h"
 
-float tz_things_weight[4] = {1.0F, 0.3F, 0.3F, 0.2F};
+#define FULL_FOREST 0.5F /* share of trees that makes a full border */
 
+/* edge = F (0.7 + 0.3 G) + 0.06 G, up to 1, with forest F and gradient G in shares of a
+ * full border. */
 static void combine(tz_things_view *v, const float *gradient, float full)
 {
     const size_t n = (size_t)v->picture.width * (size_t)v->picture.height;
-    const float *w = tz_things_weight;
     for (size_t i = 0; i < n; i++) {
-        const float f = fminf(v->forest[i] / 0.5F, 1.5F);
+        const float f = fminf(v->forest[i] / FULL_FOREST, 1.5F);
         const float g = fminf(gradient[i] / full, 1.5F);
-        v->edge[i] = fminf(1, w[0] * f * (1 - w[1] + w[1] * g) + w[3] * g * 0.3F);
+        v->edge[i] = fminf(1, f * (0.7F + 0.3F * g) + 0.06F * g);
     }
 }
 
