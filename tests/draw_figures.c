@@ -10,6 +10,7 @@
  *   draw_figures borders LAYOUT.svg PIXELS OUT.png    the same as lines over the pixels
  *   draw_figures difference A B OUT.png               grey + 4 (A - B)
  *   draw_figures normals PHOTO OUT.png                normals as if lightness were height
+ *   draw_figures numbers MAP OUT.png                  a map of ids, classes, angles or uv
  *
  * OUT.svg must stand in the photo's folder. */
 #include <stdio.h>
@@ -587,6 +588,50 @@ static tz_status of_layout(tz_ctx *ctx, char **arg, int n)
     return s;
 }
 
+/* Hue of a share of the circle, as bright as v. */
+static void set_hue(float *p, float turn, float v)
+{
+    for (int k = 0; k < 3; k++) {
+        const float t = turn + (float)k / 3;
+        p[k] = v * (0.55F + 0.45F * cosf(2 * (float)TZ_PI * t));
+    }
+}
+
+/* Whole numbers get colours far from their neighbours', shares of a turn their hue; maps
+ * of three channels stay. */
+static tz_status numbers(tz_ctx *ctx, const char *map, const char *out)
+{
+    const tz_image_read_options opt = {.data = true};
+    tz_image im = {0}, rgb = {0};
+    bool whole = true;
+    tz_status s = tz_image_read(ctx, map, &opt, &im);
+    if (s == TZ_OK)
+        s = tz_image_init(ctx, &rgb, im.width, im.height, 3);
+    rgb.encoding = TZ_ENCODING_SRGB;
+    for (int64_t i = 0; s == TZ_OK && i < (int64_t)im.height * im.width; i++) {
+        const float v =
+            tz_image_at(&im, (int32_t)(i % im.width), (int32_t)(i / im.width))[0];
+        whole = whole && v == floorf(v);
+    }
+    for (int32_t y = 0; s == TZ_OK && y < rgb.height; y++)
+        for (int32_t x = 0; x < rgb.width; x++) {
+            float *p = tz_image_at(&rgb, x, y);
+            const float *q = tz_image_at(&im, x, y);
+            if (im.channels >= 3)
+                memcpy(p, q, 3 * sizeof *p);
+            else if (q[0] == 0)
+                p[0] = p[1] = p[2] = 0.1F;
+            else
+                set_hue(p, whole ? 0.61803F * q[0] : q[0],
+                        whole ? 0.7F + 0.3F * cosf(2.4F * q[0]) : 1);
+        }
+    if (s == TZ_OK)
+        s = write_rgb(ctx, out, &rgb);
+    tz_image_deinit(&im);
+    tz_image_deinit(&rgb);
+    return s;
+}
+
 static bool is(char **arg, int n, const char *name, int wanted)
 {
     return n == wanted && strcmp(arg[0], name) == 0;
@@ -609,6 +654,8 @@ int main(int argc, char **argv)
         s = difference(ctx, arg[1], arg[2], arg[3]);
     } else if (is(arg, n, "normals", 3)) {
         s = normals(ctx, arg[1], arg[2]);
+    } else if (is(arg, n, "numbers", 3)) {
+        s = numbers(ctx, arg[1], arg[2]);
     } else {
         fprintf(stderr,
                 "use: draw_figures FIGURE ARGUMENTS (see tests/draw_figures.c)\n");

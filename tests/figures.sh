@@ -133,6 +133,92 @@ draw borders layout.svg layout.png borders.png
 sheet layout 2 640x640 "pieces, later ones on top|their borders in the texture" \
     pieces.png borders.png
 
+# ---- elements --------------------------------------------------------------------------
+# Drawings of data/exemplars, and things of the photos.
+for name in chips current hearts noodles; do
+    cp "$root/data/exemplars/$name.svg" .
+done
+# pair X Y NAME : a drawing beside a layout of nine times its area, at one scale
+pair() {
+    tz expand "$3.svg" -o "grown_$3.png" --size 1440x1440 --seed 7
+    rsvg-convert "$3.svg" -o "drawn_$3.png"
+    echo "<image xlink:href='drawn_$3.png' x='$1' y='$2' width='170' height='170'/>"
+    echo "<image xlink:href='grown_$3.png' x='$(($1 + 178))' y='$2' width='510' height='510'/>"
+}
+{
+    echo "<svg xmlns='http://www.w3.org/2000/svg' width='1392' height='1034'
+        xmlns:xlink='http://www.w3.org/1999/xlink'>"
+    pair 0 0 chips
+    pair 704 0 current
+    pair 0 524 hearts
+    pair 704 524 noodles
+    echo "</svg>"
+} >elements.svg
+picture elements
+sheet elements 1 1400x1400 "drawings, and layouts of nine times their area" elements.png
+
+cat >ring.svg <<'SVG'
+<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><path fill-rule="evenodd"
+ d="M50 4A46 46 0 1 1 49.9 4ZM50 30A20 20 0 1 1 49.9 30Z"/></svg>
+SVG
+cat >strokes.svg <<'SVG'
+<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100" fill="none" stroke="black">
+<path d="M10 90C10 30 40 10 90 10"/><path d="M50 95C50 60 70 50 95 50"/></svg>
+SVG
+cat >zones.svg <<'SVG'
+<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><rect width="100"
+ height="100" fill="#ff0000"/><circle cx="50" cy="50" r="32" fill="#0000ff"/></svg>
+SVG
+cat >brush.svg <<'SVG'
+<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 900 900" fill="none">
+<path stroke="black" stroke-width="170" d="M120 450C200 100 700 100 780 450S400 900 300 600"/>
+<path stroke="#ff0000" stroke-width="60" d="M100 300L800 300"/></svg>
+SVG
+size="--size 900x900 --seed 7"
+tz arrange current.svg -o grown_leaves.svg --size 480x480 --seed 7
+tz expand noodles.svg -o g1.png $size --domain ring.svg --shape bend \
+    --field "atan2(y-h/2,x-w/2)*180/pi+90"
+tz expand current.svg -o g2.png $size --field strokes.svg
+tz expand hearts.svg -o g3.png $size --zones zones.svg \
+    --zone-kinds "#ff0000=heart;#0000ff=dot"
+tz expand current.svg -o g4.png $size --brush brush.svg
+sheet elements-guides 2 480x480 "--domain, --field with a formula, --shape bend|--field with \
+two strokes|--zones: hearts outside, dots inside|--brush: one stroke grows, one erases" \
+    g1.png g2.png g3.png g4.png
+
+# things PHOTO Y : the photo, its things and the plate; beside them a texture
+pebbles=$(photo pebbles_large rocks pebbles)
+things() {
+    local n=${1%.*}
+    "$build/tests/draw_things" --side 640 -o "things_$n.png" "$1"
+    tz expand "$1" --as elements -o "big_$n.png" --seed 7 --size 960x640
+    echo "<image xlink:href='things_$n.png' x='0' y='$2' width='960' height='320'/>"
+    echo "<image xlink:href='big_$n.png' x='968' y='$2' width='480' height='320'/>"
+}
+{
+    echo "<svg xmlns='http://www.w3.org/2000/svg' width='1448' height='976'
+        xmlns:xlink='http://www.w3.org/1999/xlink'>"
+    things "$pavement" 0
+    things "$pebbles" 328
+    things "$cells" 656
+    echo "</svg>"
+} >elements-photo.svg
+picture elements-photo
+sheet elements-photo 1 1448x1000 "photo, its things, the plate; a texture" elements-photo.png
+
+tz analyze "$pavement" --as elements -o setts.svg
+tz arrange setts.svg -o setts_big.svg --size 480x480 --seed 3
+tz render setts_big.svg -o m0.png --maps id=m1.exr,class=m2.exr,uv=m3.exr
+for i in 1 3; do
+    draw numbers m$i.exr m$i.png
+done
+tz render grown_leaves.svg -o m4.png --maps class=m5.exr,angle=m6.exr
+for i in 5 6; do
+    draw numbers m$i.exr m$i.png
+done
+sheet elements-maps 3 400x400 "colour|id|uv|colour|class|angle" \
+    m0.png m1.png m3.png m4.png m5.png m6.png
+
 # ---- seams -----------------------------------------------------------------------------
 tz expand "$cliff" -o cliff.png --size 1024x1024 --seed 7 --save-layout cliff.svg
 part=256,256,480,480
