@@ -4,8 +4,9 @@
 #
 #   tests/bench.sh BUILDDIR [SECTION...]
 #
-# Sections: analyze, edges, render, arrange, expand, scores, elements, others (layout
-# documents, the measures themselves); huge (32,768 x 32,768 px, writes some
+# Sections: analyze, edges, render, arrange, expand, scores, elements (growth, the energy
+# solver), likeness (layouts of elements against their drawings), things (photo to elements),
+# drawings (elements to pixels), others (layout documents, the measures themselves); huge (32,768 x 32,768 px, writes some
 # 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
 # BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
 # those of TZ_PHOTOS (a folder), else ../shared/exemplars/photos beside the repository, else
@@ -16,7 +17,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
 shift
 sections=("$@")
-[ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores elements others)
+[ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores elements likeness
+    things drawings others)
 terrazzo=$build/bin/terrazzo
 tools=$build/tests
 out=$build/bench
@@ -316,6 +318,58 @@ bench_elements() {
         "$out/lines"
     rows elements exemplar sources rings optimise grown begin seconds rate \
         < <(cut -d' ' -f2- "$out/lines")
+    echo
+    echo "  energy solver (goals: 1,000 elements 5 ms an iteration; 100,000 under 1 s, 500 MB)"
+    "$tools/bench_energy" | sed 's/^/  /'
+    echo
+    echo "  mean neighbourhood distance over time ([Dav19] Fig. 17): $out/distance.svg"
+    "$tools/bench_elements" distance "$out" | sed 's/^/  /'
+}
+
+bench_likeness() {
+    title "likeness: layouts of nine times the area against their drawings, as compare measures
+(goals: mean ratio under 1.3, density within 5 %, overlaps and widest hole no more than the drawing's)"
+    local f name json folder=$here/../../shared/exemplars/svg
+    shopt -s nullglob
+    : >"$out/lines"
+    for f in "$folder"/*.svg "$here"/../data/exemplars/*.svg; do
+        name=$(basename "${f%.svg}")
+        "$terrazzo" arrange "$f" -o "$out/$name-layout.svg" --grow 3 --quiet &&
+            json=$("$terrazzo" compare "$f" "$out/$name-layout.svg" --json) || return 1
+        echo "$name $(number mean "$json") $(number nearest "$json")" \
+            "$(number correlation "$json") $(number ring-1 "$json") $(number ring-2 "$json")" \
+            "$(number ring-3 "$json") $(number classes "$json") $(number orientation "$json")" \
+            "$(number density "$json") $(number overlaps-exemplar "$json")" \
+            "$(number overlaps "$json") $(number hole-exemplar "$json")" \
+            "$(number hole "$json")" >>"$out/lines"
+    done
+    awk 'BEGIN { printf "  %-24s %6s %7s %7s %6s %6s %6s %7s %7s %7s %13s %13s  %s\n", "drawing",
+                 "mean", "nearest", "pairs", "ring 1", "2", "3", "classes", "turned", "density",
+                 "overlaps", "hole", "goals" }
+         { met = $2 < 1.3 && $10 > 0.95 && $10 < 1.05 && $12 <= $11 + 0.005 && $14 <= 1.02 * $13
+           count += met; means += $2 < 1.3
+           printf "  %-24s %6.3f %7.2f %7.2f %6.2f %6.2f %6.2f %7.2f %7.2f %7.3f %6.3f %6.3f %6.1f %6.1f  %s\n",
+               $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, met ? "met" : "MISSED" }
+         END { printf "  %d of %d meet all; mean ratio under 1.3: %d (goal: 8)\n", count, NR, means }' \
+        "$out/lines"
+    rows likeness drawing mean nearest correlation ring1 ring2 ring3 classes orientation \
+        density overlaps_exemplar overlaps hole_exemplar hole <"$out/lines"
+}
+
+bench_things() {
+    title "things: photo to elements, against the known pieces of scenes (IoU 0.5), and the
+watershed on distances from thresholded pixels"
+    "$tools/bench_things" --scenes 4 | sed 's/^/  /'
+    local p
+    for p in "$(photo 'cobble*' 'bricks*')" "$(photo 'pebbles*' 'rocks*')"; do
+        "$tools/bench_things" --photo "$p" | sed 's/^/  /'
+    done
+}
+
+bench_drawings() {
+    title "drawings: 10,000 elements to 2048 x 2048 px, against rsvg-convert (goal: under 1.5 s and
+no slower than it)"
+    "$tools/bench_element_render" 10000 2048 5 | sed 's/^/  /'
 }
 
 bench_huge() {
@@ -352,14 +406,16 @@ line=$(machine)
 echo "bench: $line"
 for section in "${sections[@]}"; do
     case $section in
-    analyze | edges | render | arrange | expand | scores | elements | others | huge)
+    analyze | edges | render | arrange | expand | scores | elements | likeness | things | \
+        drawings | others | huge)
         "bench_$section" || { echo "  $section failed"; failed=1; } ;;
     *) echo "bench: no section $section" >&2; exit 2 ;;
     esac
 done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
-    for section in analyze edges render arrange expand scores elements others huge; do
+    for section in analyze edges render arrange expand scores elements likeness others \
+        huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'

@@ -68,13 +68,44 @@ for photo in "${photos[@]}"; do
     labels+="${labels:+|}$name|score $score"
     printf '%-24s score %s\n' "$name" "$score"
 done
+# ---- elements ------------------------------------------------------------------------
+# Drawings beside layouts of nine times their area; photos that are made of things.
+elements=
+element_sheet() { # NAME TITLE PICTURE...
+    local name=$1 title=$2
+    shift 2
+    "$terrazzo" sheet "$@" -o "$out/$name.png" --columns 2 --cell 800x800 --quiet ||
+        { failed=$((failed + 1)); return; }
+    elements+="<h2>$title</h2><img src=\"$name.png\" alt=\"$title\">"$'\n'
+    echo "$title"
+}
+for drawing in "$here"/../../shared/exemplars/svg/*.svg "$here"/../data/exemplars/*.svg; do
+    name=$(basename "${drawing%.svg}")
+    "$terrazzo" arrange "$drawing" -o "$out/e_$name.svg" --grow 3 --seed 7 --quiet &&
+        "$terrazzo" render "$out/e_$name.svg" -o "$out/e_$name.png" --quiet ||
+        { failed=$((failed + 1)); continue; }
+    rsvg-convert -h 800 "$drawing" -o "$out/d_$name.png" 2>/dev/null || continue
+    mean=$(figure mean "$("$terrazzo" compare "$drawing" "$out/e_$name.svg" --json)")
+    element_sheet "s_$name" "$name: mean ratio $mean" "$out/d_$name.png" "$out/e_$name.png"
+done
+for photo in "${photos[@]}"; do
+    name=$(basename "${photo%.*}")
+    case $name in pebbles* | gravel* | cobble* | stone* | leaf* | leaves* | volcanic* | brick* | rocks*) ;;
+    *) continue ;;
+    esac
+    "$terrazzo" expand "$photo" --as elements -o "$out/t_$name.png" --grow 2 --seed 7 --quiet ||
+        { failed=$((failed + 1)); continue; }
+    element_sheet "u_$name" "$name, as elements" "$photo" "$out/t_$name.png"
+done
+
 {
     cat "$page.part"
     echo '<table><tr><th>exemplar</th><th>score</th><th>patch</th><th>orientation</th>'
     echo '<th>correlation</th><th>sharpness</th><th>repetition</th>'
     echo '<th>near repeats</th><th>periodicity</th>'
     echo "<th>seam</th><th>broken</th><th>seconds</th></tr>$rows</table>"
-    echo "$sections</html>"
+    echo "$sections"
+    echo "<h1>Elements</h1>$elements</html>"
 } >"$page"
 rm -f "$page.part"
 if [ ${#sheet[@]} -gt 0 ]; then
