@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Expands three real photos to 2048 x 2048 pixels as PNG and EXR, with a contact sheet of
-# each (exemplar beside result), and prints the paths and the times.
+# each (exemplar beside result), and two drawings to layouts of elements; prints the paths
+# and the times.
 #
 #   tests/demo.sh BUILDDIR
 set -u
@@ -45,6 +46,17 @@ for photo in "${photos[@]}"; do
         "$out/$name.exr" "$out/${name}_sheet.png"
     sheet+=("$photo" "$out/$name.png")
     labels+="${labels:+|}$name, the exemplar|2048 x 2048 px, $png s"
+done
+mkdir -p "$build/cache/photos" && cp "$here"/../data/exemplars/*.svg "$build/cache/photos"
+for name in current chips; do
+    drawing=$build/cache/photos/$name.svg
+    run "$terrazzo" arrange "$drawing" -o "$out/$name.svg" --size 2048x2048 --seed 7
+    placed=$seconds
+    run "$terrazzo" render "$out/$name.svg" -o "$out/$name.png"
+    printf '%s s  %s\n%s s  %s\n' "$placed" "$out/$name.svg" "$seconds" "$out/$name.png"
+    run "$terrazzo" render "$drawing" -o "$out/${name}_drawing.png"
+    sheet+=("$out/${name}_drawing.png" "$out/$name.png")
+    labels+="|$name, a drawing|2048 x 2048 px, $placed + $seconds s"
 done
 run "$terrazzo" sheet "${sheet[@]}" -o "$out/sheet.png" --cell 768x768 --labels "$labels"
 echo "all together: $out/sheet.png"
