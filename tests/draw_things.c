@@ -3,10 +3,12 @@
  * its things coloured by class (cut ones thin, by depth from dark to bright), and the
  * plate.
  *
- *   draw_things [--side PX] [--svg FOLDER] [--crop X,Y,SIDE] -o SHEET PHOTO...
+ *   draw_things [--side PX] [--svg FOLDER] [--crop X,Y,SIDE] [--cutouts WHICH] -o SHEET
+ *               PHOTO...
  *
  * Photos are scaled down by a whole number to at most --side px (default 1024). --svg
- * writes the set, the photo and the plate of each photo into a folder. */
+ * writes the set, the photo and the plate of each photo into a folder. --cutouts copied,
+ * cut or all shows each such thing by itself on magenta instead, in rows. */
 #include <math.h>
 
 #include "analysis/things.h"
@@ -16,7 +18,7 @@
 enum { GAP = 6 };
 
 typedef struct options {
-    const char *out, *svg;
+    const char *out, *svg, *cutouts;
     int32_t side, crop[3], first;
     tz_things_params params;
 } options;
@@ -82,6 +84,77 @@ static void draw_outline(tz_image *im, const tz_element_set *s, const tz_element
         put(im, s->sample.v[e->sample + k].at.x, s->sample.v[e->sample + k].at.y, rgb, 1);
 }
 
+/* ---- cut-outs ------------------------------------------------------------------------ */
+
+/* Boxes of the things that are seen in a label map. */
+static tz_rect *boxes_of(tz_ctx *ctx, const int32_t *label, int32_t w, int32_t h,
+                         int32_t count)
+{
+    tz_rect *b;
+    bench_check(ctx, tz_alloc_zero(ctx, &b, (size_t)count + 1, sizeof *b));
+    for (int32_t y = 0; y < h; y++)
+        for (int32_t x = 0; x < w; x++) {
+            const int32_t l = label[(ptrdiff_t)y * w + x];
+            if (l < 0)
+                continue;
+            if (!b[l].w)
+                b[l] = (tz_rect){x, y, 1, 1};
+            if (x < b[l].x)
+                b[l].w += b[l].x - x, b[l].x = x;
+            b[l].w = x - b[l].x + 1 > b[l].w ? x - b[l].x + 1 : b[l].w;
+            b[l].h = y - b[l].y + 1; /* rows rise */
+        }
+    return b;
+}
+
+/* Things one behind another, in rows as wide as the photo;
+ * without a sheet they are only measured.
+ * @return height */
+static int32_t lay_out(const tz_image *photo, const int32_t *label, const tz_rect *box,
+                       const uint8_t *shown, int32_t count, tz_image *sheet)
+{
+    int32_t x0 = 0, y0 = 0, tall = 0;
+    for (int32_t i = 0; i < count; i++) {
+        const tz_rect b = box[i];
+        if (!shown[i])
+            continue;
+        if (x0 > 0 && x0 + b.w > photo->width)
+            x0 = 0, y0 += tall + 4, tall = 0;
+        tall = b.h > tall ? b.h : tall;
+        for (int32_t y = 0; y < b.h && sheet; y++)
+            for (int32_t x = 0; x < b.w; x++)
+                if (label[(ptrdiff_t)(b.y + y) * photo->width + b.x + x] == i)
+                    memcpy(tz_image_at(sheet, x0 + x, y0 + y),
+                           tz_image_at(photo, b.x + x, b.y + y), 3 * sizeof(float));
+        x0 += b.w + 4;
+    }
+    return y0 + tall;
+}
+
+static tz_image draw_cutouts(tz_ctx *ctx, const tz_image *photo, const tz_element_set *s,
+                             const int32_t *label, const char *which)
+{
+    const int32_t n = s->element.n;
+    tz_rect *box = boxes_of(ctx, label, photo->width, photo->height, n);
+    tz_image sheet;
+    uint8_t *shown;
+    bench_check(ctx, tz_alloc_zero(ctx, &shown, (size_t)n + 1, 1));
+    for (int32_t i = 0; i < n; i++)
+        shown[i] = strcmp(which, "all") == 0 ||
+                   s->element.v[i].cut == (strcmp(which, "cut") == 0);
+    const int32_t h = lay_out(photo, label, box, shown, n, NULL);
+    bench_check(ctx, tz_image_init(ctx, &sheet, photo->width, h + GAP, 3));
+    sheet.encoding = TZ_ENCODING_SRGB;
+    for (int64_t k = 0; k < (int64_t)sheet.width * sheet.height; k++)
+        sheet.px[3 * k] = sheet.px[3 * k + 2] = 0.8F;
+    lay_out(photo, label, box, shown, n, &sheet);
+    tz_free(ctx, shown);
+    tz_free(ctx, box);
+    return sheet;
+}
+
+/* ---- sheet --------------------------------------------------------------------------- */
+
 static void paste(tz_image *sheet, const tz_image *im, int32_t x0, int32_t y0)
 {
     for (int32_t y = 0; y < im->height; y++)
@@ -116,13 +189,23 @@ static tz_image draw_row(tz_ctx *ctx, const options *o, const char *path)
     const int32_t longest = full.width > full.height ? full.width : full.height;
     tz_image photo = reduced(ctx, &full, (longest + o->side - 1) / o->side);
     tz_element_set s;
+    int32_t *label, copied = 0;
+    bench_check(ctx, tz_alloc(ctx, &label, (size_t)photo.width * (size_t)photo.height,
+                              sizeof *label));
     const double start = bench_now();
-    bench_check(ctx, tz_things_find(ctx, &photo, &o->params, &s, &plate, NULL));
-    printf("%s: %d x %d, %d things, %d kinds, %.2f s\n", path, photo.width, photo.height,
-           s.element.n, s.kind.n, bench_now() - start);
+    bench_check(ctx, tz_things_find(ctx, &photo, &o->params, &s, &plate, label));
+    const double seconds = bench_now() - start;
+    for (int32_t i = 0; i < s.element.n; i++)
+        copied += !s.element.v[i].cut;
+    printf("%s: %d x %d, %d things, %d to copy, %d kinds, %.2f s\n", path, photo.width,
+           photo.height, s.element.n, copied, s.kind.n, seconds);
     if (o->svg)
         write_set(ctx, o, path, &photo, &plate, &s);
     tz_image drawn;
+    if (o->cutouts) {
+        row = draw_cutouts(ctx, &photo, &s, label, o->cutouts);
+        goto done;
+    }
     bench_check(ctx, tz_image_copy(ctx, &photo, &drawn));
     for (int32_t i = 0; i < s.element.n; i++)
         draw_outline(&drawn, &s, &s.element.v[i]);
@@ -137,11 +220,13 @@ static tz_image draw_row(tz_ctx *ctx, const options *o, const char *path)
         const tz_image part = tz_image_view(cell[k], r);
         paste(&row, &part, k * (r.w + GAP), 0);
     }
+    tz_image_deinit(&drawn);
+done:
+    tz_free(ctx, label);
     tz_element_set_deinit(&s);
     tz_image_deinit(&full);
     tz_image_deinit(&photo);
     tz_image_deinit(&plate);
-    tz_image_deinit(&drawn);
     return row;
 }
 
@@ -170,6 +255,8 @@ static options read_options(int argc, char **argv)
             o.svg = value;
         else if (strcmp(name, "--crop") == 0)
             sscanf(value, "%d,%d,%d", &o.crop[0], &o.crop[1], &o.crop[2]);
+        else if (strcmp(name, "--cutouts") == 0)
+            o.cutouts = value;
         else if (strcmp(name, "-o") == 0)
             o.out = value;
         else
@@ -178,7 +265,7 @@ static options read_options(int argc, char **argv)
     }
     if (!o.out || o.first >= argc || o.side < 16) {
         fprintf(stderr, "use: draw_things [--side PX] [--svg FOLDER] [--crop X,Y,SIDE] "
-                        "-o SHEET PHOTO...\n");
+                        "[--cutouts copied|cut|all] -o SHEET PHOTO...\n");
         exit(2);
     }
     return o;
