@@ -156,7 +156,9 @@ static tz_status run(tz_cli *cli)
     tz_status s = tz_document_kind(cli, cli->operand[0], kind);
     if (s != TZ_OK)
         return s;
-    return strcmp(kind, "elements") == 0 ? tz_render_elements(cli, &job) : run_edges(cli);
+    const bool drawing = !*kind && tz_path_is_svg(cli->operand[0]);
+    return drawing || strcmp(kind, "elements") == 0 ? tz_render_elements(cli, &job)
+                                                    : run_edges(cli);
 }
 
 static const tz_option_group groups[] = {
@@ -185,7 +187,8 @@ const tz_command tz_render_command = {
         "Takes a layout from arrange or expand --save-layout, as it is or after it was "
         "edited by hand, and composites the photos' pixels along it. Any crop comes out "
         "exactly as in the whole.\n\n"
-        "A layout of elements is drawn: vectors at any --resolution, things cut from a "
+        "A layout of elements, or a drawing, is drawn: vectors at any --resolution, "
+        "things cut from a "
         "photo with soft borders and their shadows over the synthesized ground. In "
         "--maps, "
         "id, class, angle and uv name the files that pictures of which element lies "
