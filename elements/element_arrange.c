@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "elements/element_compare.h"
+#include "elements/element_density.h"
 #include "elements/energy.h"
 #include "elements/growth.h"
 #include "elements/spacing.h"
@@ -77,8 +78,7 @@ static int32_t seen_elements(const tz_element_set *s)
 /** Elements that the exemplar's density asks for in the layout's domain. */
 static double wanted(const tz_element_set *exemplar, const tz_element_set *layout)
 {
-    return (double)seen_elements(exemplar) * tz_domain_area(&layout->domain) /
-           tz_domain_area(&exemplar->domain);
+    return tz_element_density(exemplar, false) * tz_domain_area(&layout->domain);
 }
 
 /** Grows, or paints. @param[out] told  how far it has come */

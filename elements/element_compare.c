@@ -5,6 +5,7 @@
  * something. */
 #include "elements/element_compare.h"
 
+#include "elements/element_density.h"
 #include "elements/element_statistics.h"
 
 enum { RINGS = 3, MEASURES = 4 + RINGS };
@@ -130,15 +131,6 @@ static void rate(const differences *d, const differences *own, double spacing,
     out->mean /= MEASURES;
 }
 
-/* Elements that are something, over the area. */
-static double density_of(const tz_field *f)
-{
-    double n = 0;
-    for (int32_t i = 0; i < f->n; i++)
-        n += !f->item[i].is_void;
-    return n / (f->domain.size.x * f->domain.size.y);
-}
-
 static bool any_oriented(const tz_field *f)
 {
     for (int32_t i = 0; i < f->n; i++)
@@ -199,8 +191,8 @@ tz_status tz_element_compare(tz_ctx *ctx, const tz_element_set *exemplar,
         s = tz_field_hole(&l, &v.hole[1]);
     if (s == TZ_OK) {
         rate(&found, &own, spacing, any_oriented(&e) || any_oriented(&l), &v);
-        const double density = density_of(&e);
-        v.density = density > 0 ? density_of(&l) / density : 1;
+        const double density = tz_element_density(exemplar, false);
+        v.density = density > 0 ? tz_element_density(layout, false) / density : 1;
         *out = v;
     }
     tz_field_deinit(&e);

@@ -15,7 +15,8 @@ typedef struct tz_element_likeness {
     double classes;          /**< class frequencies: ratio */
     double orientation; /**< histogram of angles: ratio; 1 where nothing is oriented */
     double mean;        /**< of all ratios */
-    double density;     /**< of the layout over the exemplar's (elements by area) */
+    double density;     /**< of the layout over the exemplar's, both with regard to
+                             their borders: elements/element_density.h */
     double overlaps[2]; /**< share of elements that overlap another (nearer than 0.8 of
                              where the two touch), exemplar, layout */
     double hole[2];     /**< radius of the widest disc inside the domain that touches no

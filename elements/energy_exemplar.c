@@ -20,22 +20,6 @@ double tz_energy_spacing(const tz_element_set *set)
     return sqrt(area / (set->element.n > 0 ? set->element.n : 1));
 }
 
-double tz_energy_density(const tz_element_set *set)
-{
-    const tz_vec3 size = set->domain.size;
-    const double area = tz_domain_area(&set->domain), spacing = tz_energy_spacing(set);
-    double x0 = size.x, x1 = 0, y0 = size.y, y1 = 0;
-    for (int32_t i = 0; i < set->element.n; i++) {
-        const tz_vec3 p = set->element.v[i].at;
-        x0 = fmin(x0, p.x), x1 = fmax(x1, p.x);
-        y0 = fmin(y0, p.y), y1 = fmax(y1, p.y);
-    }
-    /* half a spacing about the outermost belongs to them */
-    const double w = fmin(x1 - x0 + spacing, size.x), h = fmin(y1 - y0 + spacing, size.y);
-    const bool whole = set->domain.torus || set->domain.region || set->element.n < 4;
-    return set->element.n / (whole ? area : fmax(w * h, 0.5 * area));
-}
-
 void tz_energy_exemplar_deinit(tz_energy_exemplar *x)
 {
     tz_ctx *ctx = x->ctx;

@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "elements/element_density.h"
 #include "elements/energy_internal.h"
 
 enum { MOST = TZ_PAIRING_MOST, NEAR = TZ_ENERGY_NEAR, STREAM = 0x656e78 };
@@ -406,8 +407,8 @@ tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed)
     const int32_t n = t->set->element.n;
     census c = {.t = t,
                 .round = round,
-                .expected =
-                    tz_energy_density(t->x->set) * tz_domain_area(&t->set->domain)};
+                .expected = tz_element_density(t->x->set, true) *
+                            tz_domain_area(&t->set->domain)};
     if (t->set->domain.zones) /* which have densities of their own: stay near them */
         c.expected = n;
     tz_ctx *ctx = t->ctx;

@@ -51,9 +51,6 @@ tz_vec2 tz_energy_attribute(const tz_energy_exemplar *x, const tz_element *e,
 /** Side of the square that an element has on average. */
 double tz_energy_spacing(const tz_element_set *set);
 
-/** Elements by area. A plain exemplar whose elements keep clear of its borders, as whole
- * long ones must, counts without the margins. */
-double tz_energy_density(const tz_element_set *set);
 
 /* ---- start (energy_start.c) ------------------------------------------------------ */
 

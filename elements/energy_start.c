@@ -15,6 +15,7 @@
  *   its cell, which keeps the density; a thing that the exemplar's border has cut is
  *   replaced by a whole one of its class. */
 #include "base/rng.h"
+#include "elements/element_density.h"
 #include "elements/energy_internal.h"
 
 enum {
@@ -366,7 +367,7 @@ static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch
     f->nx = (int32_t)nx, f->ny = (int32_t)ny;
     f->tries = p->tries;
     f->attribute = p->attribute;
-    f->density = tz_energy_density(f->from);
+    f->density = tz_element_density(f->from, true);
     const int32_t n = f->nx * f->ny;
     tz_status s = index_exemplar(f);
     if (s == TZ_OK)

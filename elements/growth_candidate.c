@@ -162,6 +162,8 @@ tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x,
         s = tz_element_set_place(g->out, ex->set, u->source, at, turn, ex->texture.scale);
     if (s != TZ_OK)
         return s;
+    if (real && ex->torus) /* what a period's frame cuts is drawn whole */
+        g->out->element.v[g->out->element.n - 1].cut = false;
     const int32_t i = g->spot.n++;
     g->spot.v[i] = (tz_growth_spot){.x = at.x,
                                     .y = at.y,

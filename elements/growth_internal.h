@@ -74,7 +74,7 @@ typedef struct tz_growth_exemplar {
     float *limit;     /* hards * hards: share of the radii's sum that keeps two apart */
     float *frequency; /* of a class, sum 1 */
     double overlap;
-    double density; /* elements an area, edges corrected: growth_density.c */
+    double density; /* elements an area, edges corrected: element_density.h */
     float units;    /* units (voids too) for each element that is copied */
     tz_vec2 origin; /* of its frame in the palette */
     tz_vec2 size;   /* of the exemplar's period, or its domain */
@@ -184,9 +184,6 @@ tz_status tz_growth_find_coherent(tz_ctx *ctx, tz_growth_exemplar *ex,
 void tz_growth_find_free(tz_growth_exemplar *ex);
 /** Classes of collision and of balance; what keeps each pair of classes apart. */
 tz_status tz_growth_find_classes(tz_ctx *ctx, tz_growth_exemplar *ex);
-
-/** ex->density. */
-void tz_growth_find_density(tz_growth_exemplar *ex);
 
 /* ---- growth.c ------------------------------------------------------------------- */
 

@@ -6,6 +6,7 @@
  * the same things at opposite sides shows one period of a texture: it is read as such. */
 #include <math.h>
 
+#include "elements/element_density.h"
 #include "elements/growth_internal.h"
 
 enum { FEW = 5 };
@@ -118,40 +119,35 @@ static void drop_units(tz_growth_exemplar *ex,
 
 static bool is_in_frame(const tz_growth_exemplar *ex, const tz_growth_unit *u)
 {
-    const double rim = 1e-3 * u->r;
-    return u->x >= -rim && u->y >= -rim && u->x < ex->size.x - rim &&
-           u->y < ex->size.y - rim;
+    return tz_crowd_holds(ex->size, (tz_vec2){u->x, u->y}, (double)u->r);
 }
 
-static bool has_twin(const tz_growth_exemplar *ex, const tz_growth_unit *u, double dx,
-                     double dy)
+static bool counted_of(const void *of, int32_t k, tz_counted *c)
 {
-    for (int32_t k = 0; k < ex->n; k++) {
-        const tz_growth_unit *o = &ex->unit[k];
-        if (o->symbol == u->symbol && o->kind == u->kind &&
-            hypot(o->x - u->x - dx, o->y - u->y - dy) < 0.02 * (double)u->r &&
-            fabsf(o->r - u->r) < 0.02F * u->r &&
-            hypotf(o->c2 - u->c2, o->s2 - u->s2) < 0.05F)
-            return true;
-    }
-    return false;
+    const tz_growth_exemplar *ex = of;
+    const tz_growth_unit *u = &ex->unit[k];
+    *c = (tz_counted){{u->x, u->y}, (double)u->r, &ex->set->element.v[u->source]};
+    return true;
 }
 
-/* A drawing of one period shows what its frame cuts at both sides. It is one if all that
- * is cut, at least two things, has a twin a width or a height away. */
-static bool repeats(const tz_growth_exemplar *ex)
+/* Density; a frame that repeats is taken as a torus. */
+static void count_units(tz_growth_exemplar *ex, bool framed)
 {
-    int32_t cut = 0;
-    for (int32_t k = 0; k < ex->n; k++) {
-        const tz_growth_unit *u = &ex->unit[k];
-        if (!ex->set->element.v[u->source].cut)
-            continue;
-        cut++;
-        if (!has_twin(ex, u, ex->size.x, 0) && !has_twin(ex, u, -ex->size.x, 0) &&
-            !has_twin(ex, u, 0, ex->size.y) && !has_twin(ex, u, 0, -ex->size.y))
-            return false;
-    }
-    return cut >= 2;
+    const tz_crowd c = {.set = ex->set,
+                        .scale = ex->texture.scale,
+                        .size = ex->size,
+                        .torus = ex->set->domain.torus && !framed,
+                        .n = ex->elements,
+                        .get = counted_of,
+                        .of = ex};
+    const bool repeats = !c.torus && tz_crowd_repeats(&c);
+    ex->density = tz_crowd_density(&c, repeats);
+    ex->torus = c.torus || repeats;
+    if (!repeats)
+        return;
+    drop_units(ex, is_in_frame);
+    for (int32_t k = 0; k < ex->n; k++)
+        ex->unit[k].copied = true; /* drawn whole, beyond the frame */
 }
 
 /* ---- all ------------------------------------------------------------------------- */
@@ -187,14 +183,7 @@ void tz_growth_set_units(tz_growth_exemplar *ex)
     const tz_growth_texture *t = &ex->texture;
     const bool framed = t->to.x > t->from.x && t->to.y > t->from.y;
     list_units(ex, framed);
-    ex->torus = ex->set->domain.torus && !framed;
-    if (!ex->torus && repeats(ex)) {
-        ex->torus = true;
-        drop_units(ex, is_in_frame);
-        for (int32_t k = 0; k < ex->n; k++)
-            ex->unit[k].copied = true; /* drawn whole, beyond the frame */
-    }
-    tz_growth_find_density(ex);
+    count_units(ex, framed);
     if (count_copied(ex) == 0) /* all are cut: better those than none */
         for (int32_t k = 0; k < ex->n; k++)
             ex->unit[k].copied = true;
