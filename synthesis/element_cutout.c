@@ -7,6 +7,10 @@
  * thing over its shadow over whatever lies beneath is, by associativity of "over", one
  * layer of
  *   colour a F,   alpha 1 - (1 - a)(1 - s).
+ * A rim of weight g shows what the photo I = a F + (1 - a) B shows behind it: over what
+ * lies beneath, the thing over its rim is
+ *   colour a F + (1 - a) g B = (1 - g) a F + g I,   alpha 1 - (1 - a)(1 - g),
+ * which needs no B, and is the photo itself where g = 1.
  * Copies moved by whole pixels take texels; others sample the cubic B-spline that runs
  * through them (compose_source.c). Smaller ones sample a plane that was halved as often as
  * leaves at most 2.2 of its px a pixel, twice an axis where there is more than one.
@@ -50,10 +54,11 @@ static void set_local(tz_cutout *c, const tz_element_symbol *y)
 }
 
 void tz_cutout_place(tz_cutout *c, const tz_element_symbol *y, const tz_element_pixels *p,
-                     const tz_element_render_params *params)
+                     const tz_element_render_params *params, double rim)
 {
     const tz_image *map = shown(p);
-    const double margin = fmax(params->matte + 4, p->plate ? params->shadow + 3 : 0);
+    const double margin =
+        fmax(fmax(params->matte + 4, rim + 3), p->plate ? params->shadow + 3 : 0);
     tz_bounds b = {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int32_t i = 0; i < y->outline.n; i++) {
         const tz_vec2 q =
@@ -61,7 +66,7 @@ void tz_cutout_place(tz_cutout *c, const tz_element_symbol *y, const tz_element_
         b.x0 = fmin(b.x0, q.x), b.x1 = fmax(b.x1, q.x);
         b.y0 = fmin(b.y0, q.y), b.y1 = fmax(b.y1, q.y);
     }
-    *c = (tz_cutout){.gain = 1, .empty = true};
+    *c = (tz_cutout){.gain = 1, .rim = rim, .empty = true};
     c->mx = (float)map->width / (float)p->photo->width;
     c->my = (float)map->height / (float)p->photo->height;
     if (!(b.x0 < p->photo->width && b.y0 < p->photo->height && b.x1 > 0 && b.y1 > 0))
@@ -176,9 +181,27 @@ static tz_f4 evened(tz_f4 f, float gain, const tz_image *map)
     return f * gain;
 }
 
-/* One texel of level 0: linear, premultiplied; *shade receives the shadow. */
+/* A thing over its rim: f (colour times alpha, and alpha) over what the map shows at
+ * (mx, my), by share g. */
+static tz_f4 over_rim(const tz_cutout *c, tz_f4 f, float g, const tz_image *map,
+                      tz_map_kind kind, int32_t mx, int32_t my)
+{
+    const bool raw = kind != TZ_MAP_COLOUR;
+    tz_f4 i = tz_photo_linear(map, mx, my, raw);
+    if (!raw)
+        i = evened(i, c->gain, map);
+    const float a = f[3];
+    for (int k = 0; k < 3; k++)
+        f[k] += g * (i[k] - (kind == TZ_MAP_NORMAL ? 0.5F : 0) - f[k]);
+    f[3] = a + g * (1 - a);
+    return f;
+}
+
+/* One texel of level 0: linear, premultiplied; *shade receives the shadow, *solid alpha
+ * without rim. */
 static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_matte *m,
-                      tz_map_kind kind, int32_t u, int32_t v, float *shade)
+                      tz_map_kind kind, int32_t u, int32_t v, float *shade,
+                      uint8_t *solid)
 {
     const tz_image *map = shown(p);
     const bool raw = kind != TZ_MAP_COLOUR, own = !p->map && !raw;
@@ -209,7 +232,10 @@ static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_m
             f[k] -= 0.5F;
     f = f * a;
     f[3] = a;
-    return f;
+    *solid = (uint8_t)(a * 255 + 0.5F);
+    const bool within = mx >= 0 && my >= 0 && mx < map->width && my < map->height;
+    const float g = m->rim && within ? over_pixel(m, m->rim, x, y, sx, sy) : 0;
+    return g > 0 ? over_rim(c, f, g, map, kind, mx, my) : f;
 }
 
 /* Half the size, each px the mean of four; what lies beyond is empty. */
@@ -314,9 +340,9 @@ static void fill_texels(tz_cutout *c, const tz_element_pixels *p, const tz_matte
     for (int32_t v = 0; v < c->box.h; v++)
         for (int32_t u = 0; u < c->box.w; u++) {
             float *dark = tz_image_at(shade, u, v);
-            const tz_f4 t = texel_of(c, p, m, kind, u, v, dark);
+            const tz_f4 t =
+                texel_of(c, p, m, kind, u, v, dark, &c->solid[(int64_t)v * c->box.w + u]);
             memcpy(tz_image_at(im, u, v), &t, sizeof t);
-            c->solid[(int64_t)v * c->box.w + u] = (uint8_t)(t[3] * 255 + 0.5F);
             c->shaded = c->shaded || *dark > 0;
         }
 }

@@ -45,11 +45,6 @@ static float dot3(tz_f4 a, tz_f4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] 
 
 /* ---- outlines ------------------------------------------------------------------------ */
 
-static tz_vec2 in_photo(const tz_element_symbol *y, tz_vec2 p)
-{
-    return tz_vec2_add(y->photo_at, tz_vec2_scale(p, y->photo_scale));
-}
-
 static int32_t part_end(const tz_element_symbol *y, int32_t k)
 {
     return k + 1 < y->part.n ? y->part.v[k + 1] : y->outline.n;
@@ -61,8 +56,8 @@ static void cover_outline(const tz_element_symbol *y, int32_t x0, int32_t y0, tz
     for (int32_t k = 0; k < y->part.n; k++) {
         const int32_t from = y->part.v[k], end = part_end(y, k);
         for (int32_t i = from; i < end; i++) {
-            tz_vec2 p = in_photo(y, y->outline.v[i]),
-                    q = in_photo(y, y->outline.v[i + 1 < end ? i + 1 : from]);
+            tz_vec2 p = tz_matte_point(y, y->outline.v[i]),
+                    q = tz_matte_point(y, y->outline.v[i + 1 < end ? i + 1 : from]);
             p.x -= x0, p.y -= y0, q.x -= x0, q.y -= y0;
             tz_cover_edge(c, p, q);
         }
@@ -74,7 +69,7 @@ static tz_rect outline_box(const tz_element_symbol *y, double margin,
 {
     tz_bounds b = {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int32_t i = 0; i < y->outline.n; i++) {
-        const tz_vec2 p = in_photo(y, y->outline.v[i]);
+        const tz_vec2 p = tz_matte_point(y, y->outline.v[i]);
         b.x0 = fmin(b.x0, p.x), b.x1 = fmax(b.x1, p.x);
         b.y0 = fmin(b.y0, p.y), b.y1 = fmax(b.y1, p.y);
     }
@@ -87,7 +82,8 @@ static tz_rect outline_box(const tz_element_symbol *y, double margin,
                      (int32_t)ceil(fmin(b.y1 + margin, y1)) - t};
 }
 
-tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, tz_matte_photo *p)
+tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, int32_t number,
+                        tz_matte_photo *p)
 {
     const int32_t width = p->photo->width, height = p->photo->height;
     const tz_rect box =
@@ -105,10 +101,12 @@ tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, tz_matte_photo 
             int32_t from, to;
             if (!tz_cover_take(&c, j, true, row, &from, &to))
                 continue;
-            uint8_t *at = p->taken + (int64_t)(box.y + j) * width + box.x;
+            int32_t *at = p->label + (int64_t)(box.y + j) * width + box.x;
             for (int32_t i = from; i < to; i++)
-                if (row[i] > 0)
-                    at[i] = 1;
+                if (row[i] >= 0.5F)
+                    at[i] = number + 1;
+                else if (row[i] > 0 && at[i] <= 0)
+                    at[i] = -(number + 1);
         }
     }
     tz_free(ctx, row);
@@ -126,8 +124,8 @@ static void find_distances(const tz_element_symbol *y, tz_matte *m)
     for (int32_t k = 0; k < y->part.n; k++) {
         const int32_t from = y->part.v[k], end = part_end(y, k);
         for (int32_t i = from; i < end; i++) {
-            tz_vec2 p = in_photo(y, y->outline.v[i]),
-                    q = in_photo(y, y->outline.v[i + 1 < end ? i + 1 : from]);
+            tz_vec2 p = tz_matte_point(y, y->outline.v[i]),
+                    q = tz_matte_point(y, y->outline.v[i + 1 < end ? i + 1 : from]);
             p.x -= b.x + 0.5, p.y -= b.y + 0.5, q.x -= b.x + 0.5, q.y -= b.y + 0.5;
             const tz_vec2 d = tz_vec2_sub(q, p);
             const double l = tz_vec2_dot(d, d), r = m->reach;
@@ -264,14 +262,17 @@ static tz_status find_area(tz_ctx *ctx, const tz_element_symbol *y, tz_matte *m)
     return TZ_OK;
 }
 
-tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_photo *p,
-                        const tz_element_render_params *params, tz_matte *m)
+tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, int32_t number,
+                        const tz_matte_photo *p, const tz_element_render_params *params,
+                        double rim, tz_matte *m)
 {
-    const bool shadow = params->shadow > 0 && p->plate && p->taken;
-    const float band = (float)params->shadow, matte = (float)params->matte;
+    const bool shadow = p->shadows && p->label;
+    const float band = (float)params->shadow, matte = (float)params->matte,
+                wide = p->label ? (float)rim : 0;
     tz_f4 *photo = NULL;
-    *m = (tz_matte){.reach = fmaxf(matte + 4, shadow ? band + 7 : 0)};
-    m->box = outline_box(y, fmaxf(matte + WINDOW + 1, shadow ? band + 8 : 0), p->photo);
+    *m = (tz_matte){.reach = fmaxf(fmaxf(matte + 4, wide + 2), shadow ? band + 7 : 0)};
+    m->box = outline_box(
+        y, fmaxf(fmaxf(matte + WINDOW + 1, wide + 4), shadow ? band + 8 : 0), p->photo);
     if (tz_rect_empty(m->box)) {
         m->box = (tz_rect){0, 0, 0, 0};
         return TZ_OK;
@@ -307,8 +308,13 @@ tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_
         }
     if (shadow)
         s = tz_matte_shade(ctx, p, photo, band, m);
-    for (size_t i = 0; i < n; i++)
+    if (s == TZ_OK && wide > 0)
+        s = tz_matte_rim(ctx, p, number + 1, photo, wide, m);
+    for (size_t i = 0; i < n; i++) {
         m->alpha[i] *= photo[i][3];
+        if (m->rim)
+            m->rim[i] *= photo[i][3];
+    }
 done:
     tz_free(ctx, photo);
     if (s != TZ_OK)
@@ -321,6 +327,7 @@ void tz_matte_deinit(tz_ctx *ctx, tz_matte *m)
     tz_free(ctx, m->alpha);
     tz_free(ctx, m->distance);
     tz_free(ctx, m->shade);
+    tz_free(ctx, m->rim);
     tz_free(ctx, m->colour);
     *m = (tz_matte){0};
 }

@@ -20,6 +20,11 @@ static const tz_param rows[] = {
      "takes the outline"},
     {"harmonise", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, harmonise), 0, 1,
      "0.5", "", NULL, "How far the photo's slow change of light is evened in cut-outs"},
+    {"rim", TZ_PARAM_DOUBLE, offsetof(tz_element_render_params, rim), -1, 64, "-1", "px",
+     NULL,
+     "How wide a rim of the ground about it a cut-out carries along, photo px, so that "
+     "stones laid over each other keep a gap; 0 = none; -1 = half the usual gap between "
+     "the photo's things"},
 };
 
 const tz_param_table tz_element_render_param_table = {"render", "Rendering of elements",
@@ -156,7 +161,7 @@ typedef struct prepare_job {
     tz_element_renderer *r;
     const tz_element_pixels *photos;
     tz_matte_photo *matte; /* one a photo */
-    const tz_photo_light *light;
+    tz_photo_light *light;
 } prepare_job;
 
 static tz_status prepare_cutout(tz_ctx *ctx, void *arg, int64_t i, int worker)
@@ -173,7 +178,8 @@ static tz_status prepare_cutout(tz_ctx *ctx, void *arg, int64_t i, int worker)
     if (r->params.harmonise > 0 && r->kind == TZ_MAP_COLOUR)
         c->gain = tz_photo_gain(&job->light[y->photo], p->photo, y->photo_at,
                                 r->params.harmonise);
-    tz_status s = tz_matte_init(ctx, y, &job->matte[y->photo], &r->params, &m);
+    tz_status s =
+        tz_matte_init(ctx, y, (int32_t)i, &job->matte[y->photo], &r->params, c->rim, &m);
     if (s == TZ_OK)
         s = tz_cutout_fill(ctx, c, y, p, &m, r->kind);
     tz_matte_deinit(ctx, &m);
@@ -186,40 +192,54 @@ static tz_status prepare_photo(tz_ctx *ctx, tz_element_renderer *r, int32_t k,
                                tz_photo_light *l)
 {
     const tz_element_set *set = r->set;
-    if (!p->photo)
+    bool shows = false;
+    for (int32_t i = 0; i < set->symbol.n; i++)
+        shows = shows || (r->used[i] && tz_symbol_cut(&set->symbol.v[i]) &&
+                          set->symbol.v[i].photo == k);
+    if (!p->photo || !shows)
         return TZ_OK;
-    *m = (tz_matte_photo){.photo = p->photo, .plate = p->plate};
+    *m = (tz_matte_photo){.photo = p->photo, .plate = p->plate, .rim = r->params.rim};
     if (r->params.harmonise > 0 && r->kind == TZ_MAP_COLOUR)
         tz_photo_find_light(p, l);
-    if (!p->plate || !(r->params.shadow > 0) || r->kind != TZ_MAP_COLOUR)
+    m->shadows = p->plate && r->params.shadow > 0 && r->kind == TZ_MAP_COLOUR;
+    if (!m->shadows && m->rim == 0)
         return TZ_OK;
-    tz_status s = tz_alloc_zero(ctx, &m->taken,
-                                (size_t)p->photo->width * (size_t)p->photo->height, 1);
+    tz_status s =
+        tz_alloc_zero(ctx, &m->label, (size_t)p->photo->width * (size_t)p->photo->height,
+                      sizeof *m->label);
     for (int32_t i = 0; i < set->symbol.n && s == TZ_OK; i++)
         if (tz_symbol_cut(&set->symbol.v[i]) && set->symbol.v[i].photo == k)
-            s = tz_matte_mark(ctx, &set->symbol.v[i], m);
+            s = tz_matte_mark(ctx, &set->symbol.v[i], i, m);
+    if (s == TZ_OK && m->rim != 0)
+        s = tz_rim_look(ctx, set, k, m);
     return s;
 }
 
-static tz_status prepare_cutouts(tz_ctx *ctx, tz_element_renderer *r,
-                                 const tz_element_pixels *photos)
+/* Looks at the photos, and how far each cut-out reaches: before it is known which show. */
+static tz_status prepare_photos(tz_ctx *ctx, tz_element_renderer *r, prepare_job *job)
 {
-    const int32_t n = r->set->photo.n;
-    prepare_job job = {r, photos, NULL, NULL};
-    tz_photo_light *l = NULL;
-    tz_status s = tz_alloc_zero(ctx, &job.matte, (size_t)n, sizeof *job.matte);
+    const tz_element_set *set = r->set;
+    tz_status s =
+        tz_alloc_zero(ctx, &job->matte, (size_t)set->photo.n, sizeof *job->matte);
     if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &l, (size_t)n, sizeof *l);
-    job.light = l;
-    for (int32_t k = 0; k < n && s == TZ_OK; k++)
-        s = prepare_photo(ctx, r, k, &photos[k], &job.matte[k], &l[k]);
-    if (s == TZ_OK)
-        s = tz_parallel_for(ctx, r->set->symbol.n, prepare_cutout, &job);
-    for (int32_t k = 0; job.matte && k < n; k++)
-        tz_free(ctx, job.matte[k].taken);
-    tz_free(ctx, job.matte);
-    tz_free(ctx, l);
+        s = tz_alloc_zero(ctx, &job->light, (size_t)set->photo.n, sizeof *job->light);
+    for (int32_t k = 0; job->photos && k < set->photo.n && s == TZ_OK; k++)
+        s = prepare_photo(ctx, r, k, &job->photos[k], &job->matte[k], &job->light[k]);
+    for (int32_t i = 0; i < set->symbol.n && s == TZ_OK; i++) {
+        const tz_element_symbol *y = &set->symbol.v[i];
+        if (r->used[i] && tz_symbol_cut(y))
+            tz_cutout_place(&r->cutout[i], y, &job->photos[y->photo], &r->params,
+                            tz_rim_width(y, &job->matte[y->photo]));
+    }
     return s;
+}
+
+static void prepare_deinit(tz_ctx *ctx, const tz_element_renderer *r, prepare_job *job)
+{
+    for (int32_t k = 0; job->matte && k < r->set->photo.n; k++)
+        tz_free(ctx, job->matte[k].label);
+    tz_free(ctx, job->matte);
+    tz_free(ctx, job->light);
 }
 
 static tz_status prepare_drawing(tz_ctx *ctx, void *arg, int64_t i, int worker)
@@ -251,6 +271,7 @@ tz_status tz_element_renderer_new(tz_ctx *ctx, const tz_element_set *set,
     tz_status s = tz_alloc_zero(ctx, &r, 1, sizeof *r);
     if (s != TZ_OK)
         return s;
+    prepare_job job = {r, photos, NULL, NULL};
     r->ctx = ctx;
     r->set = set;
     r->kind = kind;
@@ -272,14 +293,13 @@ tz_status tz_element_renderer_new(tz_ctx *ctx, const tz_element_set *set,
         r->decode[k] = tz_srgb_decode((float)k / TZ_DECODE);
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, set->symbol.n + 1, prepare_drawing, r);
-    for (int32_t i = 0; i < set->symbol.n && s == TZ_OK; i++)
-        if (r->used[i] && tz_symbol_cut(&set->symbol.v[i]))
-            tz_cutout_place(&r->cutout[i], &set->symbol.v[i],
-                            &photos[set->symbol.v[i].photo], &r->params);
+    if (s == TZ_OK)
+        s = prepare_photos(ctx, r, &job);
     if (s == TZ_OK)
         s = tz_showing_index_init(ctx, r);
-    if (s == TZ_OK && photos && set->photo.n > 0)
-        s = prepare_cutouts(ctx, r, photos);
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, set->symbol.n, prepare_cutout, &job);
+    prepare_deinit(ctx, r, &job);
     if (s == TZ_OK)
         *out = r;
     else

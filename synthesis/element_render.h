@@ -29,6 +29,10 @@ typedef struct tz_element_render_params {
     double matte;  /**< photo px to either side of an outline where its border is sought
                            in the photo; 0 = the outline itself */
     double harmonise; /**< 0..1: how far the photo's uneven light is evened */
+    double
+        rim; /**< photo px about a cut-out that it carries along of the ground about it,
+                     0 = none; < 0 = automatic: half the usual gap between the photo's
+                     things, 1.5 to 8 px, of small things less */
 } tz_element_render_params;
 TZ_API extern const tz_param_table tz_element_render_param_table;
 

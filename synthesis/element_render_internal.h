@@ -4,6 +4,7 @@
  *
  *   set ──drawing─▶ paths with flat paints, or a document for librsvg   element_drawing.c
  *       ──matte───▶ alpha, pure colour and shade of a cut-out           element_matte.c
+ *       ──rim─────▶ what it carries along of the gap about it           element_rim.c
  *       ──cutout──▶ pixels ready for sampling, at the sizes needed      element_cutout.c
  *       ──index───▶ which elements may show in which tiles              element_index.c
  *   tile ◀─render── all of these, one above the other                   element_render.c */
@@ -122,6 +123,8 @@ typedef struct tz_matte {
     float *alpha;    /**< 0..1 */
     float *distance; /**< to the outline, photo px, > 0 inside; far = +-reach */
     float *shade;    /**< 0 = no shadow .. 1 = black; NULL = none */
+    float *rim;      /**< 0..1: how much of what lies behind, and beside, it carries
+                          along; NULL = nothing */
     float *colour;   /**< 3 a pixel, linear, free of what lies behind */
     float reach;
 } tz_matte;
@@ -129,27 +132,52 @@ typedef struct tz_matte {
 /** What mattes of one photo share. */
 typedef struct tz_matte_photo {
     const tz_image *photo, *plate;
-    uint8_t *taken; /**< 1 where a thing lies, width * height; NULL = nothing casts */
+    int32_t *label; /**< width * height: 0 = ground; number + 1 of the symbol that covers
+                         half the pixel or more; its negative where it covers less; NULL =
+                         nothing casts shadows or has rims */
+    double rim;     /**< widest rim of this photo's things, px */
+    bool sized;     /**< small things have narrower ones */
+    float gap_lo[3], gap_hi[3]; /**< how most of what lies between things looks */
+    bool shadows;               /**< kept */
 } tz_matte_photo;
 
-/** Marks what the symbol's outline covers in p->taken. */
-tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, tz_matte_photo *p);
+/** A point of a symbol in its photo, px. */
+static inline tz_vec2 tz_matte_point(const tz_element_symbol *y, tz_vec2 p)
+{
+    return tz_vec2_add(y->photo_at, tz_vec2_scale(p, y->photo_scale));
+}
+/** Marks what the outline of symbol `number` covers in p->label. */
+tz_status tz_matte_mark(tz_ctx *ctx, const tz_element_symbol *y, int32_t number,
+                        tz_matte_photo *p);
 /** @param params  of which shadow and matte count; box is empty if nothing lies within
- *   the photo */
-tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, const tz_matte_photo *p,
-                        const tz_element_render_params *params, tz_matte *m);
+ *   the photo
+ * @param rim  of this symbol, px, 0 = none */
+tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, int32_t number,
+                        const tz_matte_photo *p, const tz_element_render_params *params,
+                        double rim, tz_matte *m);
 void tz_matte_deinit(tz_ctx *ctx, tz_matte *m);
 /** Makes m->shade of a matte whose alpha and distances are known.
  * @param photo  linear, of m->box  @param band  px */
 tz_status tz_matte_shade(tz_ctx *ctx, const tz_matte_photo *p, const tz_f4 *photo,
                          float band, tz_matte *m);
 
+/** Looks at what lies between the things of a photo: sets p->gap_lo, p->gap_hi, and p->rim
+ * where it is < 0. p->label is complete. */
+tz_status tz_rim_look(tz_ctx *ctx, const tz_element_set *set, int32_t photo,
+                      tz_matte_photo *p);
+/** Width of a symbol's rim, px. */
+double tz_rim_width(const tz_element_symbol *y, const tz_matte_photo *p);
+/** Makes m->rim of a matte whose alpha and distances are known.
+ * @param own  label of the symbol  @param photo  linear, of m->box  @param width  px */
+tz_status tz_matte_rim(tz_ctx *ctx, const tz_matte_photo *p, int32_t own,
+                       const tz_f4 *photo, float width, tz_matte *m);
+
 enum { TZ_CUTOUT_LEVELS = 20 };
 
 /** A symbol's pixels: planes at map px / 2^level, colour (as sRGB) times alpha, alpha. */
 typedef struct tz_cutout {
     tz_rect box;    /**< map px of level 0 */
-    uint8_t *solid; /**< alpha of level 0 without shadow, 0..255 */
+    uint8_t *solid; /**< alpha of level 0 without rim and shadow, 0..255 */
     tz_source_plane plane[TZ_CUTOUT_LEVELS];
     tz_source_plane shade[TZ_CUTOUT_LEVELS]; /**< 0 = light .. 1 = black, if shaded */
     bool shaded, encoded;                    /**< encoded: colour as sRGB */
@@ -158,6 +186,7 @@ typedef struct tz_cutout {
     uint32_t levels;                         /**< bit of each level that is needed */
     bool spline;     /**< some copy is not moved by whole pixels only */
     float gain;      /**< on colour, evens the light */
+    double rim;      /**< photo px */
     tz_bounds local; /**< box in the symbol's units */
     bool empty;
 } tz_cutout;
@@ -174,9 +203,10 @@ typedef struct tz_cutout_view {
 /** @param map  symbol -> canvas px */
 tz_cutout_view tz_cutout_look(const tz_cutout *c, const tz_element_symbol *y,
                               tz_affine map);
-/** Box and bounds of a symbol in its map, before planes are made. */
+/** Box and bounds of a symbol in its map, before planes are made.
+ * @param rim  photo px */
 void tz_cutout_place(tz_cutout *c, const tz_element_symbol *y, const tz_element_pixels *p,
-                     const tz_element_render_params *params);
+                     const tz_element_render_params *params, double rim);
 /** Makes the planes of c->levels. */
 tz_status tz_cutout_fill(tz_ctx *ctx, tz_cutout *c, const tz_element_symbol *y,
                          const tz_element_pixels *p, const tz_matte *m, tz_map_kind kind);

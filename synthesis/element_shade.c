@@ -30,10 +30,10 @@ static bool ground_seen(const tz_matte *m, const tz_matte_photo *p, int32_t x, i
     for (int32_t j = v - 1; j <= v + 1; j++) /* others have soft borders too */
         for (int32_t i = u - 1; i <= u + 1; i++)
             if (i >= 0 && j >= 0 && i < w && j < p->photo->height &&
-                p->taken[(int64_t)j * w + i] &&
+                p->label[(int64_t)j * w + i] &&
                 m->distance[(int64_t)y * m->box.w + x] < -2.5F)
                 return false;
-    return !p->taken[(int64_t)v * w + u];
+    return !p->label[(int64_t)v * w + u];
 }
 
 /* Share of light that the ground near (x, y) lacks, from means about `r` px wide; below 0

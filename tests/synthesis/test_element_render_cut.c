@@ -45,6 +45,7 @@ static tz_element_render_params params(double shadow, double harmonise)
     tz_params_default(&tz_element_render_param_table, &p);
     p.shadow = shadow;
     p.harmonise = harmonise;
+    p.rim = 0; /* see test_element_rim.c */
     return p;
 }
 
@@ -229,9 +230,11 @@ static void test_identity(void **state)
         set_add(&s, set_disc(&s, x, y, r), x, y, 0, 1);
     }
     const tz_element_pixels p = {&photo, &plate, NULL};
-    for (int shift = 0; shift < 2; shift++) {
-        /* by whole pixels, and sampled anew: on a canvas half a pixel off */
-        const tz_element_render_params prm = params(6, 0);
+    for (int k = 0; k < 4; k++) {
+        /* by whole pixels, and sampled anew; without and with a rim */
+        const int shift = k / 2;
+        tz_element_render_params prm = params(6, 0);
+        prm.rim = k % 2 ? -1 : 0;
         tz_element_renderer *r = renderer_of(ctx, &s, &p, TZ_MAP_COLOUR, &prm);
         tz_image im;
         OK(tz_image_copy(ctx, &plate, &im));
@@ -243,10 +246,10 @@ static void test_identity(void **state)
         }
         const double psnr = -10 * log10(error);
         if (psnr < 46)
-            fail_msg("shift %d: PSNR %.2f dB", shift, psnr);
+            fail_msg("shift %d rim %g: PSNR %.2f dB", shift, prm.rim, psnr);
         tz_image_deinit(&im);
         tz_element_renderer_free(r);
-        for (int32_t i = 0; i < s.element.n; i++) /* a turn too small to see */
+        for (int32_t i = 0; k == 1 && i < s.element.n; i++) /* a turn too small to see */
             s.element.v[i].angle = 1e-3;
     }
     tz_element_set_deinit(&s);
