@@ -20,10 +20,10 @@ typedef struct distance_job {
     const sides *wanted, *rivals;
     double spacing;
     double *cost;
-    bool attributes, labels; /* do they differ anywhere */
+    bool attributes; /* do they differ anywhere */
 } distance_job;
 
-static void fill_side(const tz_field *f, const tz_nearby *near, int32_t n, double spacing,
+static void fill_side(const tz_field *f, const tz_nearby *near, int32_t n,
                       tz_pairing_side *s)
 {
     s->n = n;
@@ -33,8 +33,9 @@ static void fill_side(const tz_field *f, const tz_nearby *near, int32_t n, doubl
         s->x[k] = near[k].x, s->y[k] = near[k].y;
         s->a[k] = (float)(v->radius * cos(angle));
         s->b[k] = (float)(v->radius * sin(angle));
-        s->l[k] = (float)(TZ_PAIRING_LABEL(spacing) * v->kind);
+        s->l[k] = (float)v->kind;
     }
+    tz_pairing_sort(s, NULL);
 }
 
 /* Elements whose neighbourhood lies inside a plain domain, if there are enough; of many,
@@ -77,7 +78,7 @@ static tz_status make_sides(const tz_field *f, double spacing, int32_t near,
     for (int32_t i = 0; s == TZ_OK && i < out->n; i++) {
         const int32_t o = out->id[i], n = tz_cells_near(&cells, f->at, f->at[o], reach, o,
                                                         found, near < MOST ? near : MOST);
-        fill_side(f, found, n, spacing, &out->side[i]);
+        fill_side(f, found, n, &out->side[i]);
     }
     tz_cells_free(f->ctx, &cells);
     return s;
@@ -90,7 +91,7 @@ static tz_status nearest_of(tz_ctx *ctx, void *arg, int64_t i, int worker)
     const tz_pairing_side *p = &job->wanted->side[i];
     const tz_field_item *e = &job->f->item[job->wanted->id[i]];
     const float limit = (float)(job->spacing * job->spacing);
-    tz_pairing w = {.attributes = job->attributes, .labels = job->labels, .limit = limit};
+    tz_pairing w = {.attributes = job->attributes, .limit = limit};
     float best = limit * (float)p->n;
     for (int32_t k = 0; k < job->rivals->n; k++) {
         if (job->g->item[job->rivals->id[k]].kind != e->kind)
@@ -105,18 +106,16 @@ static tz_status nearest_of(tz_ctx *ctx, void *arg, int64_t i, int worker)
 static void see_what_differs(distance_job *job, const tz_field *f)
 {
     const tz_field_item *first = &job->f->item[0];
-    for (int32_t i = 0; i < f->n; i++) {
-        job->labels = job->labels || f->item[i].kind != first->kind;
+    for (int32_t i = 0; i < f->n; i++)
         job->attributes =
             job->attributes || f->item[i].oriented || f->item[i].radius != first->radius;
-    }
 }
 
 tz_status tz_field_distance(const tz_field *f, const tz_field *g, double spacing,
                             int32_t near, double *out)
 {
     sides wanted = {0}, rivals = {0};
-    distance_job job = {f, g, &wanted, &rivals, spacing, NULL, false, false};
+    distance_job job = {f, g, &wanted, &rivals, spacing, NULL, false};
     tz_ctx *ctx = f->ctx;
     see_what_differs(&job, f);
     see_what_differs(&job, g);

@@ -144,17 +144,65 @@ static void add_column(tz_energy_exemplar *x, int32_t centre, tz_nearby v)
     x->member[(ptrdiff_t)centre * MOST + j] = v.id;
     s->x[j] = v.x, s->y[j] = v.y;
     s->a[j] = x->a[v.id], s->b[j] = x->b[v.id];
-    s->l[j] =
-        (float)(TZ_PAIRING_LABEL(x->spacing) * (x->label[v.id] + (own ? x->labels : 0)));
+    s->l[j] = (float)(x->label[v.id] + (own ? x->labels : 0));
 }
 
-/* The element's own samples first, whatever their distance, then the nearest. */
+/* Columns by label; who they are goes along. */
+static void sort_columns(tz_energy_exemplar *x, int32_t k, uint64_t inner)
+{
+    int32_t order[MOST], was[MOST], *member = &x->member[(ptrdiff_t)k * MOST];
+    const int32_t n = x->side[k].n;
+    tz_pairing_sort(&x->side[k], order);
+    memcpy(was, member, (size_t)n * sizeof *was);
+    x->inner[k] = 0;
+    for (int32_t j = 0; j < n; j++) {
+        member[j] = was[order[j]];
+        x->inner[k] |= (inner >> order[j] & 1) << j;
+    }
+}
+
+typedef struct neighbour_job {
+    tz_energy_exemplar *x;
+    const tz_vec3 *at;
+    const tz_cells *cells;
+    double reach;
+} neighbour_job;
+
+/* The element's own samples, whatever their distance, then the nearest. */
+static tz_status look_about(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    (void)ctx, (void)worker;
+    const neighbour_job *job = arg;
+    tz_energy_exemplar *x = job->x;
+    const int32_t k = (int32_t)i;
+    const tz_element *e = &x->set->element.v[x->owner[k]];
+    tz_nearby found[MOST];
+    uint64_t inner = 0;
+    for (int32_t m = e->sample; m < e->sample + e->samples && x->side[k].n < MOST / 2;
+         m++)
+        if (m != k) {
+            const tz_vec3 v = tz_domain_vector(&x->set->domain, job->at[k], job->at[m]);
+            inner |= 1ull << x->side[k].n;
+            add_column(x, k, (tz_nearby){(float)v.x, (float)v.y, 0, m});
+        }
+    const int32_t n =
+        tz_cells_near(job->cells, job->at, job->at[k], job->reach, k, found, MOST);
+    for (int32_t m = 0; m < n && x->side[k].n < MOST; m++) {
+        if (x->owner[found[m].id] == x->owner[k])
+            continue;
+        if ((double)found[m].dist2 <= x->radius * x->radius)
+            inner |= 1ull << x->side[k].n;
+        add_column(x, k, found[m]);
+    }
+    sort_columns(x, k, inner);
+    return TZ_OK;
+}
+
 static tz_status find_neighbours(tz_energy_exemplar *x)
 {
     const tz_element_set *set = x->set;
     const double reach = x->radius + 0.75 * x->limit;
     tz_cells cells = {0};
-    tz_nearby found[MOST];
     tz_vec3 *at;
     tz_status s = tz_alloc(x->ctx, &at, (size_t)x->n, sizeof *at);
     if (s != TZ_OK)
@@ -162,24 +210,9 @@ static tz_status find_neighbours(tz_energy_exemplar *x)
     for (int32_t k = 0; k < x->n; k++)
         at[k] = set->sample.v[k].at;
     s = tz_cells_fill(x->ctx, &cells, &set->domain, at, x->n, reach);
-    for (int32_t k = 0; k < x->n && s == TZ_OK; k++) {
-        const tz_element *e = &set->element.v[x->owner[k]];
-        for (int32_t m = e->sample; m < e->sample + e->samples && x->side[k].n < MOST / 2;
-             m++)
-            if (m != k) {
-                const tz_vec3 v = tz_domain_vector(&set->domain, at[k], at[m]);
-                add_column(x, k, (tz_nearby){(float)v.x, (float)v.y, 0, m});
-            }
-        const int32_t n = tz_cells_near(&cells, at, at[k], reach, k, found, MOST);
-        x->inner[k] = x->side[k].n;
-        for (int32_t m = 0; m < n && x->side[k].n < MOST; m++) {
-            if (x->owner[found[m].id] == x->owner[k])
-                continue;
-            add_column(x, k, found[m]);
-            if ((double)found[m].dist2 <= x->radius * x->radius)
-                x->inner[k] = x->side[k].n;
-        }
-    }
+    neighbour_job job = {x, at, &cells, reach};
+    if (s == TZ_OK)
+        s = tz_parallel_for(x->ctx, x->n, look_about, &job);
     tz_cells_free(x->ctx, &cells);
     tz_free(x->ctx, at);
     return s;
@@ -200,7 +233,9 @@ static void describe(const tz_energy_exemplar *x, int32_t k, float *d)
 {
     const tz_pairing_side *s = &x->side[k];
     memset(d, 0, DESCRIPTOR * sizeof *d);
-    for (int32_t j = 0; j < x->inner[k]; j++) {
+    for (int32_t j = 0; j < s->n; j++) {
+        if (!tz_energy_within(x, k, j))
+            continue;
         const double r = hypot((double)s->x[j], (double)s->y[j]) / x->radius;
         const double turn = atan2((double)s->y[j], (double)s->x[j]) / (2 * TZ_PI) + 1;
         const double at = turn * DESCRIPTOR, share = at - floor(at);
@@ -222,6 +257,23 @@ static void insert_similar(int32_t *id, float *cost, int32_t k, int32_t other, f
     id[i] = other, cost[i] = c;
 }
 
+/* The neighbourhood within the radius alone. */
+static void take_inner(const tz_energy_exemplar *x, int32_t k, tz_pairing_side *out)
+{
+    const tz_pairing_side *s = &x->side[k];
+    out->n = 0;
+    for (int32_t j = 0; j < s->n; j++) {
+        const int32_t to = out->n;
+        if (!tz_energy_within(x, k, j))
+            continue;
+        out->x[to] = s->x[j], out->y[to] = s->y[j];
+        out->a[to] = s->a[j], out->b[to] = s->b[j];
+        out->l[to] = s->l[j];
+        out->n++;
+    }
+    tz_pairing_sort(out, NULL);
+}
+
 static tz_status find_similar(tz_ctx *ctx, void *arg, int64_t i, int worker)
 {
     (void)ctx, (void)worker;
@@ -233,11 +285,12 @@ static tz_status find_similar(tz_ctx *ctx, void *arg, int64_t i, int worker)
     const tz_kdtree *tree = &job->tree[label];
     float cost[64], dist2[SHORTLIST];
     int32_t *similar = &x->similar[(ptrdiff_t)k * most];
-    tz_pairing w = {.attributes = x->attributes,
-                    .labels = true,
-                    .limit = (float)(x->limit * x->limit)};
-    tz_pairing_side wanted = x->side[k];
-    wanted.n = x->inner[k];
+    tz_pairing w;
+    tz_pairing_side wanted;
+    w.attributes = x->attributes;
+    w.limit = (float)(x->limit * x->limit);
+    w.weight = NULL;
+    take_inner(x, k, &wanted);
     for (int32_t j = 0; j < most; j++)
         similar[j] = -1, cost[j] = INFINITY;
     if (tree->n > 0)

@@ -239,7 +239,9 @@ static tz_status add_wishes(census *c, int32_t o)
     const tz_pairing_side *side = &x->side[m];
     const double frame = tz_energy_frame(t, t->at[o]), co = cos(frame), si = sin(frame);
     tz_status s = TZ_OK;
-    for (int32_t j = 0; j < x->inner[m] && s == TZ_OK; j++) {
+    for (int32_t j = 0; j < side->n && s == TZ_OK; j++) {
+        if (!tz_energy_within(x, m, j))
+            continue;
         const int32_t id = x->member[(ptrdiff_t)m * MOST + j], source = x->owner[id];
         const tz_element *e = &x->set->element.v[source];
         if (source == x->owner[m] || id != e->sample || is_used(t, o, id))

@@ -29,7 +29,7 @@ typedef struct tz_energy_exemplar {
     int32_t *owner;    /**< element of each sample */
     int32_t *label;    /**< class and sample id in one number, 0..labels-1 */
     float *a, *b;      /**< attributes, see tz_pairing_side */
-    int32_t *inner;    /**< how many of a sample's neighbours lie within the radius */
+    uint64_t *inner;   /**< which of a sample's neighbours lie within the radius: bits */
     int32_t *member;   /**< TZ_PAIRING_MOST a sample: who its neighbours are */
     int32_t *similar;  /**< `coherent` a sample: others of alike neighbourhood, or -1 */
     int32_t *by_label; /**< samples sorted by label */
@@ -43,6 +43,11 @@ typedef struct tz_energy_exemplar {
 tz_status tz_energy_exemplar_init(tz_ctx *ctx, tz_energy_exemplar *x,
                                   const tz_element_set *set, const tz_energy_params *p);
 void tz_energy_exemplar_deinit(tz_energy_exemplar *x);
+/** Does neighbour j of sample k lie within the radius? */
+static inline bool tz_energy_within(const tz_energy_exemplar *x, int32_t k, int32_t j)
+{
+    return x->inner[k] >> j & 1;
+}
 /** Label of a class and sample id, -1 where the exemplar has none such. */
 int32_t tz_energy_label(const tz_energy_exemplar *x, int32_t kind, int32_t id);
 /** Attributes of an element as a vector, in the frame of the given angle. */
@@ -50,7 +55,6 @@ tz_vec2 tz_energy_attribute(const tz_energy_exemplar *x, const tz_element *e,
                             double frame);
 /** Side of the square that an element has on average. */
 double tz_energy_spacing(const tz_element_set *set);
-
 
 /* ---- start (energy_start.c) ------------------------------------------------------ */
 

@@ -26,7 +26,8 @@ typedef struct scratch {
     tz_pairing pairing;
     tz_pairing_side side;
     tz_nearby found[NEAR];
-    float weight[NEAR];
+    int32_t order[NEAR]; /* place in the list of neighbours of each column of the side */
+    float weight[NEAR];  /* of each column */
     int32_t best_to[NEAR];
     int32_t *stamp; /* of each exemplar sample: last search that tried it */
     int32_t now;
@@ -81,9 +82,7 @@ static void add_neighbour(quest *k, int32_t id, tz_vec3 v, bool own)
     s->x[j] = (float)(cosine * v.x + sine * v.y); /* o^-1 of Eq. (7) */
     s->y[j] = (float)(cosine * v.y - sine * v.x);
     s->a[j] = (float)q.x, s->b[j] = (float)q.y;
-    s->l[j] = (float)(TZ_PAIRING_LABEL(t->x->spacing) *
-                      (label < 0 ? -1 : label + (own ? t->x->labels : 0)));
-    k->w->weight[j] = t->weight[id];
+    s->l[j] = label < 0 ? -1 : (float)(label + (own ? t->x->labels : 0));
     t->near[(ptrdiff_t)k->o * NEAR + j] = id;
 }
 
@@ -124,6 +123,9 @@ static void gather(quest *k)
                       t->owner[id] == t->owner[k->o]);
     }
     t->count[k->o] = n;
+    tz_pairing_sort(&k->w->side, k->w->order);
+    for (int32_t j = 0; t->weighted && j < n; j++)
+        k->w->weight[j] = t->weight[list[k->w->order[j]].id];
 }
 
 /* ---- candidates ------------------------------------------------------------------ */
@@ -137,7 +139,9 @@ static double outside(const quest *k, int32_t e)
     const tz_vec3 at = t->at[k->o];
     const double cosine = k->cosine, sine = k->sine;
     double sum = 0;
-    for (int32_t j = 0; j < t->x->inner[e]; j++) {
+    for (int32_t j = 0; j < s->n; j++) {
+        if (!tz_energy_within(t->x, e, j))
+            continue;
         const double x = (double)s->x[j], y = (double)s->y[j];
         const tz_vec3 p = {at.x + cosine * x - sine * y, at.y + sine * x + cosine * y,
                            at.z};
@@ -189,7 +193,8 @@ static void try_candidate(quest *k, int32_t e)
 static int32_t seen_by(const quest *k, int32_t j)
 {
     const tz_energy_exemplar *x = k->t->x;
-    const int32_t match = k->t->match[k->t->near[(ptrdiff_t)k->o * NEAR + j]];
+    const int32_t id_of = k->t->near[(ptrdiff_t)k->o * NEAR + k->w->order[j]];
+    const int32_t match = k->t->match[id_of];
     if (match < 0)
         return -1;
     const tz_pairing_side *s = &x->side[match];
@@ -233,7 +238,7 @@ static void keep_pairs(const quest *k)
     const tz_energy_exemplar *x = t->x;
     const double cosine = k->cosine, sine = k->sine;
     for (int32_t j = 0; j < t->count[k->o]; j++) {
-        const ptrdiff_t at = (ptrdiff_t)k->o * NEAR + j;
+        const ptrdiff_t at = (ptrdiff_t)k->o * NEAR + k->w->order[j];
         const int32_t m = k->best < 0 ? -1 : k->w->best_to[j];
         t->pair[at] = -1;
         t->pull[at] = (tz_energy_pull){0, 0};
@@ -290,7 +295,6 @@ static tz_status make_scratch(tz_energy_state *t, scratch **out)
     for (int i = 0; i < workers && s == TZ_OK; i++) {
         scratch *w = &(*out)[i];
         w->pairing.attributes = t->x->attributes;
-        w->pairing.labels = true;
         w->pairing.limit = limit;
         w->pairing.weight = t->weighted ? w->weight : NULL;
         s = tz_alloc_zero(t->ctx, &w->stamp, (size_t)t->x->n, sizeof *w->stamp);

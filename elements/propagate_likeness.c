@@ -46,8 +46,9 @@ static void fill_side(const tz_propagation *g, const ring *r, int32_t n, double 
         s->x[k] = (float)(c * x - d * y), s->y[k] = (float)(d * x + c * y);
         s->a[k] = (float)(e->radius * cos(angle));
         s->b[k] = (float)(e->radius * sin(angle));
-        s->l[k] = (float)(TZ_PAIRING_LABEL(g->spacing) * e->kind);
+        s->l[k] = (float)e->kind;
     }
+    tz_pairing_sort(s, NULL);
 }
 
 /* Cost a neighbour of wanted, seen from `at`; INFINITY if the border hides too much. */
@@ -75,8 +76,7 @@ static double distance(const job *w, int32_t ia, const ring *a, int32_t ib, cons
                        double turn)
 {
     const tz_propagation *g = w->g;
-    tz_pairing pairing = {
-        .attributes = true, .labels = true, .limit = (float)(g->spacing * g->spacing)};
+    tz_pairing pairing = {.attributes = true, .limit = (float)(g->spacing * g->spacing)};
     tz_pairing_side p, q;
     fill_side(g, a, a->wanted, 0, &p);
     fill_side(g, b, b->n, -turn, &q);
