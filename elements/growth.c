@@ -159,6 +159,7 @@ static tz_status add_given(tz_growth *g, int32_t i)
                                             .r = (float)e->radius,
                                             .c2 = oriented ? (float)cos(2 * e->angle) : 0,
                                             .s2 = oriented ? (float)sin(2 * e->angle) : 0,
+                                            .angle = (float)e->angle,
                                             .kind = e->kind,
                                             .symbol = e->symbol,
                                             .hard = unit < 0 ? -1 : ex->unit[unit].hard,
@@ -176,6 +177,7 @@ static tz_status add_given(tz_growth *g, int32_t i)
     if (unit >= 0) {
         g->count[texture * TZ_GROWTH_CLASSES + ex->unit[unit].class]++;
         g->counted[texture]++;
+        g->ex[texture].unit[unit].uses++;
         g->cover.count[texture] += 1;
         tz_growth_decide_place(g, texture, e->at.x, e->at.y, 0.5 * ex->spacing);
         tz_growth_enqueue(g, i);
@@ -208,11 +210,12 @@ static void match_given(tz_growth *g, int32_t i)
 static tz_status prepare_textures(tz_growth *g, const tz_element_set *set,
                                   const tz_growth_texture *texture)
 {
-    tz_status s = TZ_OK;
+    tz_status s = tz_extents_init(g->ctx, set, &g->extents);
     g->spacing = INFINITY;
     for (int32_t t = 0; t < g->textures && s == TZ_OK; t++) {
         tz_growth_exemplar *ex = &g->ex[t];
         ex->number = t;
+        ex->extents = &g->extents;
         if (texture[t].zone < 0 ||
             (texture[t].zone > 0 &&
              (!g->out->domain.zones || texture[t].zone > g->out->domain.zones->zones)))
@@ -326,6 +329,7 @@ void tz_growth_end(tz_growth *g)
     for (int32_t t = 0; g->ex && t < g->textures; t++)
         tz_growth_exemplar_deinit(g->ctx, &g->ex[t]);
     tz_growth_cover_deinit(g);
+    tz_extents_deinit(&g->extents);
     tz_free(g->ctx, g->ex);
     tz_array_free(g->ctx, &g->spot);
     tz_free(g->ctx, g->head);
@@ -417,7 +421,10 @@ static tz_status start_at(tz_growth *g, int32_t texture, double x, double y, boo
             least = cost, best = unit;
     }
     *started = best >= 0;
-    return best >= 0 ? tz_growth_place(g, texture, best, x, y, &view) : TZ_OK;
+    if (best < 0)
+        return TZ_OK;
+    return tz_growth_place(g, texture, best,
+                           tz_growth_show(g, texture, best, x, y, &view), x, y, &view);
 }
 
 /* Radius of the disc about a place that touches no element; up to `most`. */

@@ -71,11 +71,15 @@ void tz_growth_enqueue(tz_growth *g, int32_t i)
 static bool fits_nearly(const tz_growth_exemplar *ex, const tz_growth_unit *u, float dx,
                         float dy, const tz_growth_view *view, float share)
 {
+    const tz_growth_body body = tz_growth_body_of(u);
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
-        const float x = o->x - dx, y = o->y - dy;
-        const float apart = share * tz_growth_apart(ex, u->hard, u->r, o);
-        if (x * x + y * y < apart * apart)
+        const float x = o->x - dx, y = o->y - dy, d2 = x * x + y * y;
+        const float bound = share * tz_growth_bound(ex, &body, o);
+        if (d2 >= bound * bound)
+            continue;
+        const float apart = share * tz_growth_apart(ex, &body, x, y, o);
+        if (d2 < apart * apart)
             return false;
     }
     return true;
@@ -147,11 +151,11 @@ static void count_first(tz_growth *g, int32_t spot, const tz_growth_view *view)
     }
 }
 
-tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x, double y,
-                          const tz_growth_view *view)
+tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, int32_t shown,
+                          double x, double y, const tz_growth_view *view)
 {
     const tz_growth_exemplar *ex = &g->ex[texture];
-    const tz_growth_unit *u = &ex->unit[unit];
+    tz_growth_unit *u = &ex->unit[shown];
     const bool real = u->source >= 0;
     const double z = real ? ex->set->element.v[u->source].at.z : 0;
     const tz_vec3 at = tz_domain_wrap(&g->out->domain, (tz_vec3){x, y, z});
@@ -170,11 +174,12 @@ tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x,
                                     .r = u->r,
                                     .c2 = c * u->c2 - s2 * u->s2,
                                     .s2 = s2 * u->c2 + c * u->s2,
+                                    .angle = u->angle + (float)turn,
                                     .kind = u->kind,
                                     .symbol = u->symbol,
                                     .hard = u->hard,
                                     .texture = texture,
-                                    .copy = unit,
+                                    .copy = shown,
                                     .match = unit,
                                     .out = real ? g->out->element.n - 1 : -1,
                                     .node = -1};
@@ -184,6 +189,7 @@ tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x,
     count_first(g, i, view);
     g->count[texture * TZ_GROWTH_CLASSES + u->class]++;
     g->counted[texture]++;
+    u->uses++;
     g->cover.count[texture] += real;
     g->placed += real;
     return TZ_OK;
@@ -320,6 +326,7 @@ static bool is_wanted(const tz_growth *g, const tz_growth_exemplar *ex,
 static bool push_out(const tz_growth *g, const tz_growth_exemplar *ex,
                      const tz_growth_unit *u, double *x, double *y, tz_growth_view *there)
 {
+    const tz_growth_body body = tz_growth_body_of(u);
     const float most = push * u->spacing;
     float dx = 0, dy = 0;
     if (tz_growth_error(g, ex->number) >= 0 || u->source < 0)
@@ -329,7 +336,9 @@ static bool push_out(const tz_growth *g, const tz_growth_exemplar *ex,
         for (int32_t i = 0; i < there->n; i++) {
             const tz_growth_seen *o = &there->v[i];
             const float ox = dx - o->x, oy = dy - o->y, d = sqrtf(ox * ox + oy * oy);
-            const float lack = 1.01F * tz_growth_apart(ex, u->hard, u->r, o) - d;
+            if (d >= 1.01F * tz_growth_bound(ex, &body, o))
+                continue;
+            const float lack = 1.01F * tz_growth_apart(ex, &body, -ox, -oy, o) - d;
             if (lack > 0 && d > 0)
                 px += ox / d * lack, py += oy / d * lack;
         }
@@ -358,18 +367,19 @@ static tz_status copy(tz_growth *g, int32_t seed, const choice *c, uint64_t deci
     for (int32_t k = 0; k < c->n; k++) {
         const tz_growth_near *e = &near[c->near[k]];
         const int32_t unit = ex->unit[e->unit].stand_in;
-        const tz_growth_unit *u = &ex->unit[unit];
         const tz_vec2 v = tz_growth_out(view, e->x, e->y);
         tz_growth_view there;
         if (g->params.most > 0 && g->placed >= g->params.most)
             break;
         double x = q.x + v.x, y = q.y + v.y;
         tz_growth_look(g, x, y, g->wide, -1, &there);
+        const int32_t shown = tz_growth_show(g, q.texture, unit, x, y, &there);
+        const tz_growth_unit *u = &ex->unit[shown];
         if ((!tz_growth_fits(ex, u, 0, 0, &there) &&
              (c->cost < well || !push_out(g, ex, u, &x, &y, &there))) ||
             !is_wanted(g, ex, u, c->cost, decided >> k & 1, &there))
             continue;
-        const tz_status s = tz_growth_place(g, q.texture, unit, x, y, &there);
+        const tz_status s = tz_growth_place(g, q.texture, unit, shown, x, y, &there);
         if (s != TZ_OK)
             return s;
         g->spot.v[g->spot.n - 1].run = (int16_t)(q.run < 30000 ? q.run + 1 : q.run);

@@ -76,7 +76,8 @@ static void number_all(tz_growth_exemplar *ex)
     for (int32_t k = 0; k < ex->n; k++) {
         tz_growth_unit *e = &ex->unit[k];
         const int64_t key = (int64_t)e->kind * 16 + size_bin(e, radius);
-        const int64_t symbol = e->source < 0 ? 0 : e->symbol + 1;
+        /* what has a symbol of its own is balanced by growth_use.c */
+        const int64_t symbol = e->source < 0 || ex->own ? 0 : e->symbol + 1;
         e->hard = number_of(hard, &ex->hards, key);
         e->class = number_of(class, &ex->classes,
                              (key * 16 + axis_bin(e)) * 65536 + symbol % 65536);
@@ -102,38 +103,60 @@ static void count_all(tz_growth_exemplar *ex)
         ex->frequency[c] /= (float)n;
 }
 
-/* The nearest of each class to each unit; all of them to `every`. */
-static void note_all(const tz_growth_exemplar *ex, lows *pair, lows *every)
+/* Distance of two over the sum of their radii, or over that at which they touch. */
+static float share_of(const tz_growth_exemplar *ex, const tz_growth_unit *e,
+                      const tz_growth_near *o, bool touch)
+{
+    const tz_growth_body a = tz_growth_body_of(e),
+                         b = tz_growth_body_of(&ex->unit[o->unit]);
+    const float d = hypotf(o->x, o->y);
+    if (!touch)
+        return d / (a.r + b.r);
+    const float to = atan2f(o->y, o->x);
+    return d /
+           (tz_growth_extent(ex, &a, to) + tz_growth_extent(ex, &b, to + (float)TZ_PI));
+}
+
+/* Of each class the one that is nearest, in its share, to each unit; all of them to
+ * `every`. */
+static void note_all(const tz_growth_exemplar *ex, bool touch, lows *pair, lows *every)
 {
     for (int32_t k = 0; k < ex->n; k++) {
         const tz_growth_unit *e = &ex->unit[k];
-        bool met[TZ_GROWTH_CLASSES] = {false};
+        float least[TZ_GROWTH_CLASSES];
+        bool room[TZ_GROWTH_CLASSES]; /* voids are no measure of elements */
+        for (int32_t h = 0; h < ex->hards; h++)
+            least[h] = INFINITY, room[h] = e->source < 0;
         for (int32_t j = 0; j < e->nears; j++) {
             const tz_growth_near *o = &ex->near.v[e->near + j];
             const int32_t hard = ex->unit[o->unit].hard;
-            if (!met[hard]) {
-                const float share = hypotf(o->x, o->y) / (e->r + o->r);
-                note(&pair[e->hard * ex->hards + hard], share);
-                if (e->source >= 0 && ex->unit[o->unit].source >= 0)
-                    note(every, share); /* voids are no measure of elements */
-            }
-            met[hard] = true;
+            room[hard] = room[hard] || ex->unit[o->unit].source < 0;
+            if (touch || least[hard] == INFINITY)
+                least[hard] = fminf(least[hard], share_of(ex, e, o, touch));
+        }
+        for (int32_t h = 0; h < ex->hards; h++) {
+            if (least[h] == INFINITY)
+                continue;
+            note(&pair[e->hard * ex->hards + h], least[h]);
+            if (!room[h])
+                note(every, least[h]);
         }
     }
 }
 
 /* Share that keeps two classes apart that are never seen side by side. If many pairs were
  * to be expected by chance they avoid each other, and stay out of first rings. */
-static float avoidance(const tz_growth_exemplar *ex, const tally *a, const tally *b)
+static float avoidance(const tz_growth_exemplar *ex, const tally *a, const tally *b,
+                       float overlap)
 {
     const float pairs = a->n * b->n / (float)ex->n * ex->ring_mean;
     const float wide = fminf(a->wide / a->n, b->wide / b->n);
     const float radii = a->radius / a->n + b->radius / b->n;
-    return pairs < EXPECTED ? (float)ex->overlap
-                            : fmaxf((float)ex->overlap, tolerance * wide / radii);
+    return pairs < EXPECTED ? overlap : fmaxf(overlap, tolerance * wide / radii);
 }
 
-static void set_limits(tz_growth_exemplar *ex, const lows *pair, const lows *every)
+static void set_limits(const tz_growth_exemplar *ex, const lows *pair, const lows *every,
+                       float overlap, float *limit)
 {
     const int32_t h = ex->hards;
     tally sum[TZ_GROWTH_CLASSES] = {{0, 0, 0}};
@@ -150,11 +173,35 @@ static void set_limits(tz_growth_exemplar *ex, const lows *pair, const lows *eve
             else if (p->n || q->n)
                 v = low(p->n ? p : q);
             else
-                v = avoidance(ex, &sum[i], &sum[j]);
+                v = avoidance(ex, &sum[i], &sum[j], overlap);
             if (p->n + q->n > 0 && p->n + q->n < FEW) /* may come nearer than they do */
-                v = fminf(v, fmaxf((float)ex->overlap, low(every)));
-            ex->limit[i * h + j] = v;
+                v = fminf(v, fmaxf(overlap, low(every)));
+            limit[i * h + j] = v;
         }
+}
+
+/* Long and cornered things are kept apart by where they touch, in each direction, and by
+ * their circles no more than the exemplar shows. Shapes that were never seen side by side
+ * do not overlap, unless all do. */
+static tz_status find_limits(tz_ctx *ctx, tz_growth_exemplar *ex)
+{
+    const size_t pairs = (size_t)ex->hards * (size_t)ex->hards;
+    lows *pair = NULL, every[2] = {{0}, {0}};
+    tz_status s = TZ_OK;
+    for (int touch = 0; touch < 2 && s == TZ_OK; touch++) {
+        float overlap = (float)ex->overlap;
+        s = tz_alloc_zero(ctx, &pair, pairs, sizeof *pair);
+        if (s != TZ_OK)
+            break;
+        note_all(ex, touch, pair, &every[touch]);
+        if (touch && every[1].n > 0)
+            overlap = fmaxf(overlap, fminf(1, low(&every[1])));
+        set_limits(ex, pair, &every[touch], overlap, touch ? ex->touch : ex->limit);
+        tz_free(ctx, pair);
+    }
+    for (size_t k = 0; s == TZ_OK && k < pairs; k++)
+        ex->bound[k] = fmaxf(ex->limit[k], ex->touch[k]);
+    return s;
 }
 
 /* How far from each unit things stand that may collide with what grows around it. */
@@ -171,14 +218,14 @@ static void set_sight(tz_growth_exemplar *ex)
         e->clear = (float)ex->overlap * e->r;
         for (int32_t h = 0; h < ex->hards; h++)
             e->clear =
-                fmaxf(e->clear, ex->limit[e->hard * ex->hards + h] * (e->r + largest[h]) -
+                fmaxf(e->clear, ex->bound[e->hard * ex->hards + h] * (e->r + largest[h]) -
                                     largest[h]);
         for (int32_t j = 0; j < (e->larger ? e->nears : e->ring); j++) {
             const tz_growth_near *o = &ex->near.v[e->near + j];
             const float d = hypotf(o->x, o->y);
             if (j >= e->ring && !tz_growth_is_larger(o, e))
                 continue;
-            const float *limit = &ex->limit[ex->unit[o->unit].hard * ex->hards];
+            const float *limit = &ex->bound[ex->unit[o->unit].hard * ex->hards];
             for (int32_t h = 0; h < ex->hards; h++)
                 e->sight =
                     fmaxf(e->sight, d + limit[h] * (o->r + largest[h]) - largest[h]);
@@ -188,21 +235,21 @@ static void set_sight(tz_growth_exemplar *ex)
 
 tz_status tz_growth_find_classes(tz_ctx *ctx, tz_growth_exemplar *ex)
 {
-    lows *pair = NULL, every = {0};
     number_all(ex);
     const size_t pairs = (size_t)ex->hards * (size_t)ex->hards;
-    tz_status s = tz_alloc_zero(ctx, &pair, pairs, sizeof *pair);
+    tz_status s = tz_alloc_zero(ctx, &ex->limit, pairs, sizeof *ex->limit);
     if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &ex->limit, pairs, sizeof *ex->limit);
+        s = tz_alloc_zero(ctx, &ex->touch, pairs, sizeof *ex->touch);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &ex->bound, pairs, sizeof *ex->bound);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &ex->frequency, (size_t)ex->classes,
                           sizeof *ex->frequency);
     if (s == TZ_OK) {
         count_all(ex);
-        note_all(ex, pair, &every);
-        set_limits(ex, pair, &every);
-        set_sight(ex);
+        s = find_limits(ctx, ex);
     }
-    tz_free(ctx, pair);
+    if (s == TZ_OK)
+        set_sight(ex);
     return s;
 }

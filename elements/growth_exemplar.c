@@ -428,6 +428,8 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
         s = tz_growth_find_classes(ctx, ex);
     }
     if (s == TZ_OK)
+        s = tz_growth_find_others(ctx, ex);
+    if (s == TZ_OK)
         s = tz_growth_find_coherent(ctx, ex, p);
     if (s == TZ_OK)
         tz_growth_find_free(ex);
@@ -440,8 +442,10 @@ tz_status tz_growth_exemplar_init(tz_ctx *ctx, const tz_element_set *set,
                                   const tz_growth_params *p, tz_growth_exemplar *ex)
 {
     const int32_t n = tz_growth_count_units(set, texture), number = ex->number;
+    const tz_extents *extents = ex->extents;
     memset(ex, 0, sizeof *ex);
     ex->number = number;
+    ex->extents = extents;
     ex->texture = *texture;
     if (ex->texture.scale == 0)
         ex->texture.scale = 1;
@@ -482,6 +486,8 @@ void tz_growth_exemplar_deinit(tz_ctx *ctx, tz_growth_exemplar *ex)
     tz_array_free(ctx, &ex->near);
     tz_free(ctx, ex->lut);
     tz_free(ctx, ex->limit);
+    tz_free(ctx, ex->touch);
+    tz_free(ctx, ex->bound);
     tz_free(ctx, ex->frequency);
     memset(ex, 0, sizeof *ex);
 }

@@ -6,6 +6,7 @@
 #define TZ_ELEMENTS_GROWTH_INTERNAL_H
 
 #include "base/rng.h"
+#include "elements/extent.h"
 #include "elements/growth.h"
 
 enum {
@@ -19,8 +20,15 @@ enum {
     TZ_GROWTH_BATCH = 48,   /* seeds between two optimisations */
     TZ_GROWTH_NODES = 2048, /* spots in one local optimisation at most */
     TZ_GROWTH_EDGES = 65536,
-    TZ_GROWTH_UNITS = 65536 /* elements of an exemplar at most */
+    TZ_GROWTH_UNITS = 65536, /* elements of an exemplar at most */
+    TZ_GROWTH_OTHERS = 16    /* units that may be placed for one, at most */
 };
+
+/** A shape as collisions see it: its extents, and what class it is of. */
+typedef struct tz_growth_body {
+    float r, angle;
+    int32_t hard, symbol; /* class of collision; -1 = a disc */
+} tz_growth_body;
 
 /** Neighbour of a unit: offset from it, and what the two need to be compared. */
 typedef struct tz_growth_near {
@@ -32,7 +40,7 @@ typedef struct tz_growth_near {
 /** Element of the exemplar, or a void found in it. */
 typedef struct tz_growth_unit {
     double x, y;
-    float r, c2, s2;
+    float r, c2, s2, angle;
     float spacing;             /* mean distance to its first ring */
     float reach, wide;         /* radius of its neighbourhood, of its first ring */
     float view;                /* its reach, less the radius of any other */
@@ -47,7 +55,11 @@ typedef struct tz_growth_unit {
     int32_t frees;
     tz_vec2 free[TZ_GROWTH_FREE]; /* free-space points of its first ring */
     int32_t coherents, coherent[TZ_GROWTH_COHERENT];
-    bool larger;      /* there are larger things in its neighbourhood */
+    bool larger; /* there are larger things in its neighbourhood */
+    int32_t others, other[TZ_GROWTH_OTHERS]; /* alike units, that it may be shown as */
+    float unlike[TZ_GROWTH_OTHERS];          /* how much they differ: share of radius */
+    int32_t uses;                            /* copies of it in the output */
+    float recent;                            /* distance of the nearest, while chosen */
     int32_t stand_in; /* unit that is placed for it: itself unless cut; -1 = none */
     bool copied;      /* not cut: may be placed */
     bool bent;        /* of several samples: its shape is compared */
@@ -57,9 +69,11 @@ typedef struct tz_growth_unit {
 
 typedef struct tz_growth_exemplar {
     const tz_element_set *set;
+    const tz_extents *extents; /* of the set's symbols */
     tz_growth_texture texture;
     int32_t number;      /* of the texture */
     bool symbols;        /* symbols are told apart: each is used more than once */
+    bool own;            /* each element has one of its own, and is known by it */
     int32_t n, elements; /* units; the first `elements` are the set's own */
     tz_growth_unit *unit;
     TZ_ARRAY(tz_growth_near)
@@ -72,6 +86,8 @@ typedef struct tz_growth_exemplar {
     double hole; /* radius of the widest disc between its elements' circles */
     int32_t hards, classes;
     float *limit;     /* hards * hards: share of the radii's sum that keeps two apart */
+    float *touch;     /* the same of the distance at which they touch: extent.h */
+    float *bound;     /* larger one of both */
     float *frequency; /* of a class, sum 1 */
     double overlap;
     double density; /* elements an area, edges corrected: element_density.h */
@@ -83,7 +99,7 @@ typedef struct tz_growth_exemplar {
 /** Element of the output, or a void. */
 typedef struct tz_growth_spot {
     double x, y;
-    float r, c2, s2;
+    float r, c2, s2, angle;
     int32_t kind, symbol, hard, texture;
     int32_t copy;  /* unit that it copies, or is most like */
     int32_t match; /* unit whose neighbourhood it has; -1 = an obstacle of unknown kind */
@@ -99,7 +115,7 @@ typedef struct tz_growth_spot {
 /** Spot as seen from a place. */
 typedef struct tz_growth_seen {
     float x, y;
-    float r, c2, s2;
+    float r, c2, s2, angle;
     int32_t kind, symbol, hard, texture, spot, copy;
 } tz_growth_seen;
 
@@ -143,6 +159,7 @@ struct tz_growth {
     int32_t textures;
     double spacing, radius, reach, wide; /* least of all textures; largest */
     tz_element_set *out;
+    tz_extents extents; /* of the palette's symbols */
     tz_growth_cover cover;
     TZ_ARRAY(tz_growth_spot)
     spot;
@@ -258,9 +275,19 @@ static inline bool tz_growth_is_larger(const tz_growth_near *o, const tz_growth_
 }
 /** Neighbour of unit u at an offset, or -1. */
 int32_t tz_growth_at(const tz_growth_exemplar *ex, int32_t u, float x, float y);
-/** Least distance of two things, the first of the exemplar. */
-float tz_growth_apart(const tz_growth_exemplar *ex, int32_t hard1, float r1,
+/** Distance within which a body may be too near to what is seen, and what it must be when
+ * it lies in direction (-x, -y) from that. */
+float tz_growth_bound(const tz_growth_exemplar *ex, const tz_growth_body *b,
                       const tz_growth_seen *o);
+float tz_growth_apart(const tz_growth_exemplar *ex, const tz_growth_body *b, float x,
+                      float y, const tz_growth_seen *o);
+/** How far a body reaches in a direction. */
+float tz_growth_extent(const tz_growth_exemplar *ex, const tz_growth_body *b,
+                       float direction);
+static inline tz_growth_body tz_growth_body_of(const tz_growth_unit *u)
+{
+    return (tz_growth_body){u->r, u->angle, u->hard, u->symbol};
+}
 /** The same of all that is seen, and a little more for units at the exemplar's border. */
 float tz_growth_cost(const tz_growth_exemplar *ex, int32_t u, const tz_growth_view *view,
                      float enough, uint64_t *used);
@@ -288,9 +315,10 @@ typedef enum tz_growth_visiting {
 /** Grows around one seed. @param[out] grown  how many were placed */
 tz_status tz_growth_visit(tz_growth *g, int32_t seed, tz_growth_visiting how,
                           int32_t *grown);
-/** Places a copy of a unit. @param view  what is seen from there, at least first rings */
-tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, double x, double y,
-                          const tz_growth_view *view);
+/** Places a copy of unit `shown` that has the neighbourhood of `unit`.
+ * @param view  what is seen from there, at least first rings */
+tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, int32_t shown,
+                          double x, double y, const tz_growth_view *view);
 /** Whether a unit may stand at dx, dy from the place that a view is of. */
 bool tz_growth_fits(const tz_growth_exemplar *ex, const tz_growth_unit *u, float dx,
                     float dy, const tz_growth_view *view);
@@ -305,6 +333,15 @@ void tz_growth_enqueue(tz_growth *g, int32_t spot);
 /** Puts a spot into the grid. */
 void tz_growth_link(tz_growth *g, int32_t spot);
 void tz_growth_unlink(tz_growth *g, int32_t spot);
+
+/* ---- growth_use.c ---------------------------------------------------------------- */
+
+/** Alike units of all units. */
+tz_status tz_growth_find_others(tz_ctx *ctx, tz_growth_exemplar *ex);
+/** The unit that is shown where `unit` is due: itself or one alike, used the least and
+ * farthest from here, that has room. */
+int32_t tz_growth_show(tz_growth *g, int32_t texture, int32_t unit, double x, double y,
+                       const tz_growth_view *view);
 
 /* ---- growth_optimise.c ----------------------------------------------------------- */
 

@@ -38,8 +38,8 @@ static void look_in(const tz_growth *g, int32_t cell, tz_vec2 from, float radius
             (i == but && x == 0 && y == 0))
             continue;
         view->v[view->n++] =
-            (tz_growth_seen){x,         y,       q->r,       q->c2, q->s2,  q->kind,
-                             q->symbol, q->hard, q->texture, i,     q->copy};
+            (tz_growth_seen){x,       y,         q->r,    q->c2,      q->s2, q->angle,
+                             q->kind, q->symbol, q->hard, q->texture, i,     q->copy};
     }
 }
 
@@ -67,6 +67,7 @@ static void turn_in(tz_growth_view *view, double angle)
         const float x = o->x, y = o->y, c2 = o->c2, s2 = o->s2;
         o->x = view->c * x + view->s * y, o->y = view->c * y - view->s * x;
         o->c2 = c * c2 + s * s2, o->s2 = c * s2 - s * c2;
+        o->angle -= (float)angle;
     }
 }
 
@@ -249,11 +250,39 @@ int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
     return best;
 }
 
-float tz_growth_apart(const tz_growth_exemplar *ex, int32_t hard1, float r1,
+/* ---- what keeps apart ------------------------------------------------------------ */
+
+float tz_growth_bound(const tz_growth_exemplar *ex, const tz_growth_body *b,
                       const tz_growth_seen *o)
 {
-    const bool known = hard1 >= 0 && o->hard >= 0 && o->texture == ex->number;
+    const bool known = b->hard >= 0 && o->hard >= 0 && o->texture == ex->number;
     const float share =
-        known ? ex->limit[hard1 * ex->hards + o->hard] : (float)ex->overlap;
-    return share * (r1 + o->r);
+        known ? ex->bound[b->hard * ex->hards + o->hard] : (float)ex->overlap;
+    return share * (b->r + o->r);
+}
+
+float tz_growth_extent(const tz_growth_exemplar *ex, const tz_growth_body *b,
+                       float direction)
+{
+    enum { N = TZ_EXTENT_DIRECTIONS };
+    if (b->symbol < 0 || b->symbol >= ex->extents->n)
+        return b->r;
+    const float *ray = ex->extents->v[b->symbol].r;
+    const float at = (direction - b->angle) * (float)(N / (2 * TZ_PI));
+    const float low = floorf(at), t = at - low;
+    const int32_t i = (int32_t)low & (N - 1);
+    return b->r * (ray[i] * (1 - t) + ray[(i + 1) & (N - 1)] * t);
+}
+
+float tz_growth_apart(const tz_growth_exemplar *ex, const tz_growth_body *b, float x,
+                      float y, const tz_growth_seen *o)
+{
+    const tz_growth_body other = {o->r, o->angle, o->hard, o->symbol};
+    const bool known = b->hard >= 0 && o->hard >= 0 && o->texture == ex->number;
+    const int32_t pair = known ? b->hard * ex->hards + o->hard : 0;
+    const float limit = known ? ex->limit[pair] * (b->r + o->r) : 0;
+    const float to = atan2f(y, x);
+    const float touch =
+        tz_growth_extent(ex, b, to) + tz_growth_extent(ex, &other, to + (float)TZ_PI);
+    return fmaxf(limit, (known ? ex->touch[pair] : (float)ex->overlap) * touch);
 }

@@ -83,13 +83,19 @@ static bool collides(const tz_growth *g, int32_t spot, double dx, double dy,
                      const tz_growth_view *view)
 {
     const tz_growth_spot *q = &g->spot.v[spot];
+    const tz_growth_exemplar *ex = &g->ex[q->texture];
+    const float turned = atan2f(view->s, view->c);
+    const tz_growth_body body = {q->r, q->angle - turned, q->hard, q->symbol};
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
-        const float apart = tz_growth_apart(&g->ex[q->texture], q->hard, q->r, o);
+        const float bound = tz_growth_bound(ex, &body, o);
         const float x = o->x - (float)dx, y = o->y - (float)dy;
         const float d2 = x * x + y * y;
         /* what collides already may at least part */
-        if (d2 < apart * apart && d2 < o->x * o->x + o->y * o->y)
+        if (d2 >= bound * bound || d2 >= o->x * o->x + o->y * o->y)
+            continue;
+        const float apart = tz_growth_apart(ex, &body, x, y, o);
+        if (d2 < apart * apart)
             return true;
     }
     return false;
@@ -106,6 +112,7 @@ static void turn(tz_growth *g, tz_growth_spot *q, double angle)
         p->x = e->at.x + c * x - s * y, p->y = e->at.y + s * x + c * y;
     }
     e->angle += angle;
+    q->angle += (float)angle;
     const double c2 = cos(2 * angle), s2 = sin(2 * angle), a = q->c2, b = q->s2;
     q->c2 = (float)(c2 * a - s2 * b), q->s2 = (float)(s2 * a + c2 * b);
 }

@@ -44,6 +44,7 @@ static void uncount(tz_growth *g, const tz_growth_spot *q)
     if (q->copy < 0)
         return;
     const int32_t class = g->ex[q->texture].unit[q->copy].class;
+    g->ex[q->texture].unit[q->copy].uses--;
     g->count[q->texture * TZ_GROWTH_CLASSES + class]--;
     g->counted[q->texture]--;
     g->cover.count[q->texture] -= q->out >= 0;

@@ -37,6 +37,7 @@ static void add_unit(tz_growth_exemplar *ex, int32_t k)
                                          .r = (float)(scale * r),
                                          .c2 = oriented ? (float)cos(2 * e->angle) : 0,
                                          .s2 = oriented ? (float)sin(2 * e->angle) : 0,
+                                         .angle = (float)e->angle,
                                          .kind = e->kind,
                                          .symbol = e->symbol,
                                          .source = k,
@@ -44,8 +45,9 @@ static void add_unit(tz_growth_exemplar *ex, int32_t k)
                                          .copied = !e->cut};
 }
 
-/* Symbols are worth telling apart where each stands for several elements. */
-static bool are_symbols_used(const tz_growth_exemplar *ex)
+/* Symbols are worth telling apart where each stands for several elements; where nearly all
+ * elements have one of their own it is what they are known by. */
+static void rate_symbols(tz_growth_exemplar *ex)
 {
     int32_t used = 0;
     for (int32_t k = 0; k < ex->n; k++) {
@@ -54,7 +56,8 @@ static bool are_symbols_used(const tz_growth_exemplar *ex)
             first = ex->unit[j].symbol != ex->unit[k].symbol;
         used += first;
     }
-    return used > 1 && 2 * used <= ex->n;
+    ex->symbols = used > 1 && 2 * used <= ex->n;
+    ex->own = used > 4 && used >= 0.8 * ex->n;
 }
 
 int32_t tz_growth_count_units(const tz_element_set *set, const tz_growth_texture *t)
@@ -102,7 +105,7 @@ static void list_units(tz_growth_exemplar *ex, bool framed)
         if (is_selected(t, &set->element.v[k]))
             add_unit(ex, k);
     ex->elements = ex->n;
-    ex->symbols = are_symbols_used(ex);
+    rate_symbols(ex);
 }
 
 static void drop_units(tz_growth_exemplar *ex,
