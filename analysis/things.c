@@ -7,6 +7,7 @@
  *         -> pixels: joints go to the ground                        things_mask.c
  *         -> outlines finer than pixels                             things_outline.c
  *         -> which lies above which, hidden parts                   things_depth.c
+ *         -> what is surely ground, what may be copied  things_ground.c, things_doubt.c
  *         -> elements, samples, kinds                               things_set.c
  *         -> plate: ground where things have been                   things_plate.c */
 #include "analysis/things.h"
@@ -16,6 +17,7 @@
 
 #include "analysis/things_choose.h"
 #include "analysis/things_depth.h"
+#include "analysis/things_doubt.h"
 #include "analysis/things_mask.h"
 #include "analysis/things_picture.h"
 #include "analysis/things_plate.h"
@@ -27,7 +29,8 @@
     150000 /* px of a photo: larger ones are looked at in half size first */
 #define MOST_DOUBLED 600000 /* px of a photo */
 #define DOUBT        0.4    /* of the certainty: more is no sure ground */
-#define LEAST        16.0   /* px of the smallest thing there is */
+#define ROUNDING     0.045 /* of the middle thing's diameter: as large a smoothing is 1 */
+#define LEAST        16.0  /* px of the smallest thing there is */
 
 static const tz_param rows[] = {
     {"size-range", TZ_PARAM_RANGE, offsetof(tz_things_params, size_range), 0, 1000000,
@@ -35,8 +38,8 @@ static const tz_param rows[] = {
      "least and largest diameter of a thing (of a circle of its area); 0 is automatic"},
     {"classes", TZ_PARAM_INT, offsetof(tz_things_params, classes), 0, 64, "0", "", NULL,
      "wanted number of classes of things; 0 is automatic"},
-    {"smoothing", TZ_PARAM_DOUBLE, offsetof(tz_things_params, smoothing), 0, 10, "1",
-     "px", NULL, "how much outlines are smoothed"},
+    {"smoothing", TZ_PARAM_DOUBLE, offsetof(tz_things_params, smoothing), 0, 10, "1", "",
+     NULL, "how much outlines are smoothed; 1 suits the size of the things"},
     {"certainty", TZ_PARAM_DOUBLE, offsetof(tz_things_params, certainty), 0, 1, "0.35",
      "", NULL, "what is less surely a thing than this is ground"},
     {"detail", TZ_PARAM_ENUM, offsetof(tz_things_params, detail), 0, 0, "auto", "",
@@ -69,7 +72,10 @@ typedef struct work {
     int32_t w, h;      /* size of the labels */
     uint8_t *doubtful; /* pixels of things that may have been missed */
     int32_t *label, count;
+    float *sure; /* of labels */
+    tz_things_sizes sizes;
     tz_things_found *found;
+    tz_things_ground ground;
 } work;
 
 /* ---- stages -------------------------------------------------------------------------- */
@@ -237,11 +243,36 @@ static tz_status look_around(work *k)
     return s;
 }
 
+/* How surely the node is a thing that each label comes from. */
+static tz_status keep_certainty(work *k)
+{
+    const search *r = &k->best;
+    const ptrdiff_t n = (ptrdiff_t)k->w * k->h;
+    int32_t *of = NULL;
+    tz_status s = tz_alloc_zero(k->ctx, &k->sure, (size_t)k->count + 1, sizeof *k->sure);
+    if (s == TZ_OK)
+        s = tz_alloc(k->ctx, &of, (size_t)r->tree.n, sizeof *of);
+    if (s != TZ_OK)
+        return s;
+    memset(of, 255, (size_t)r->tree.n * sizeof *of);
+    for (int32_t i = 0; i < r->chosen.n; i++)
+        of[r->chosen.v[i]] = r->chosen.v[i];
+    for (int32_t v = r->tree.n - 2; v >= 0; v--)
+        if (of[r->tree.node[v].parent] >= 0)
+            of[v] = of[r->tree.node[v].parent];
+    for (ptrdiff_t p = 0; p < n; p++)
+        if (k->label[p] >= 0 && of[r->tree.leaf[p]] >= 0)
+            k->sure[k->label[p]] = r->sure[of[r->tree.leaf[p]]];
+    tz_free(k->ctx, of);
+    return TZ_OK;
+}
+
 static tz_status find_regions(work *k)
 {
     tz_status s = look_around(k);
     const search *r = &k->best;
     k->scale = r->scale;
+    k->sizes = r->sizes;
     k->w = r->view.picture.width;
     k->h = r->view.picture.height;
     if (s == TZ_OK) /* room for the photo's own, too */
@@ -252,6 +283,8 @@ static tz_status find_regions(work *k)
     if (s == TZ_OK)
         s = tz_things_mask(k->ctx, &r->view.picture, &r->tree, &r->chosen,
                            fmax(r->scale, 1) * LEAST, k->label, &k->count);
+    if (s == TZ_OK)
+        s = keep_certainty(k);
     if (s == TZ_OK)
         s = find_doubtful(k);
     forget(k->ctx, &k->best); /* outlines need labels only */
@@ -296,6 +329,14 @@ static tz_status scale_back(work *k, tz_things_outline *out)
                            k->label);
 }
 
+/* In px of the labels: superpixels leave outlines as ragged as they are wide, and small
+ * things want to stay sharp. */
+static double smoothing_of(const work *k)
+{
+    const double diameter = k->sizes.known ? sqrt(exp2(k->sizes.middle) * 4 / TZ_PI) : 0;
+    return fmin(10, k->params->smoothing * fmax(k->scale, ROUNDING * diameter));
+}
+
 static tz_status find_outlines(work *k)
 {
     const int32_t w = k->photo->width, h = k->photo->height;
@@ -304,13 +345,15 @@ static tz_status find_outlines(work *k)
     if (s == TZ_OK)
         s = tz_alloc_zero(k->ctx, &k->found, (size_t)k->count + 1, sizeof *k->found);
     if (s == TZ_OK)
-        s = tz_things_outlines(k->ctx, k->label, k->w, k->h, k->count,
-                               k->scale * k->params->smoothing, out);
+        s = tz_things_outlines(k->ctx, k->label, k->w, k->h, k->count, smoothing_of(k),
+                               out);
     if (s == TZ_OK)
         s = scale_back(k, out);
     for (int32_t i = 0; out && i < k->count; i++)
-        if (k->found)
+        if (k->found) {
             k->found[i].outline = out[i];
+            k->found[i].sure = k->sure[i];
+        }
     tz_free(k->ctx, out);
     if (s == TZ_OK)
         s = drop_empty(k);
@@ -369,7 +412,9 @@ static void work_deinit(work *k)
         tz_things_outline_deinit(k->ctx, &k->found[i].outline);
     tz_free(k->ctx, k->found);
     tz_free(k->ctx, k->label);
+    tz_free(k->ctx, k->sure);
     tz_free(k->ctx, k->doubtful);
+    tz_things_ground_deinit(k->ctx, &k->ground);
     forget(k->ctx, &k->best);
 }
 
@@ -395,7 +440,12 @@ tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
     if ((s = sort_found(&k)) != TZ_OK)
         goto done;
     tz_progress_add(ctx, pixels);
-    s = tz_things_make_set(ctx, photo, k.label, k.found, k.count, params->classes, out);
+    s = tz_things_ground_find(ctx, photo, k.label, k.count, k.doubtful, &k.ground);
+    if (s == TZ_OK)
+        s = tz_things_doubt(ctx, photo, k.label, &k.ground, k.found, k.count);
+    if (s == TZ_OK)
+        s = tz_things_make_set(ctx, photo, k.label, k.found, k.count, params->classes,
+                               out);
     if (s == TZ_OK && plate)
         s = tz_things_plate(ctx, photo, k.label, k.doubtful, plate);
     if (s == TZ_OK && tz_ctx_cancelled(ctx))

@@ -23,9 +23,10 @@ typedef struct tz_things_params {
     double size_range[2]; /**< px, diameter of a circle of a thing's area, least and
                                largest; 0 = automatic */
     int32_t classes;      /**< wanted number of kinds, 0 = automatic */
-    double smoothing;     /**< px: deviation of the Gaussian that smooths outlines */
-    double certainty;     /**< 0..1: what is less surely a thing is ground */
-    int32_t detail; /**< tz_things_detail: at which size of the photo to look; auto =
+    double smoothing; /**< of outlines: deviation of the Gaussian, in px or in 4.5 % of
+                               the middle diameter of the things, what is more */
+    double certainty; /**< 0..1: what is less surely a thing is ground */
+    int32_t detail;   /**< tz_things_detail: at which size of the photo to look; auto =
                                the best of half, normal and, up to 0.6 Mpx, double */
     char model
         [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own;
@@ -40,7 +41,10 @@ TZ_API extern const tz_param_table tz_things_param_table;
  * the element's place; its outline is what is seen of the thing, to 1/4 px, holes as
  * further polygons (even-odd), none of which shows a pixel of another thing. Elements
  * stand by rising depth; angle is 0 and scale 1; long things have several samples along
- * their axis. `cut` is set where the photo's border cuts a thing. A thing that another
+ * their axis. `cut` is set on what is not to be copied: things that the photo's border
+ * cuts, that others cover (over a tenth or so of them), and doubtful ones (ragged, of the
+ * ground's colour, crumbs, not surely things); at least 12 things, or a third of them, the
+ * best, are left uncut, where the border does not cut them. A thing that another
  * one covers in part keeps its visible outline, but `at` and `radius` are those of the
  * whole, completed by an ellipse, where the hidden part is estimated to be under a third.
  * set.photo[0] has the size and an empty path: see tz_things_name_photo.

@@ -306,8 +306,9 @@ static double misfit(const ellipse *e, const tz_vec2 *v, int32_t n)
 }
 
 /* Appends the completed outline's points to w->seen, which holds what is the thing's own
- * of its outline; nothing where no ellipse is believed. */
-static tz_status complete(work *w, const tz_moments *m)
+ * of its outline; nothing where no ellipse is believed, or it is too much larger.
+ * @param[in,out] hidden  share of the thing, where an ellipse fits */
+static tz_status complete(work *w, const tz_moments *m, double *hidden)
 {
     ellipse e;
     const int32_t n = w->seen.n;
@@ -316,7 +317,10 @@ static tz_status complete(work *w, const tz_moments *m)
         return TZ_OK;
     const double area =
         TZ_PI * tz_vec2_length(e.long_axis) * tz_vec2_length(e.short_axis);
-    if (area < m->area || m->area < (1 - HIDDEN) * area || misfit(&e, w->seen.v, n) > 0.1)
+    if (area < m->area || misfit(&e, w->seen.v, n) > 0.1)
+        return TZ_OK;
+    *hidden = 1 - m->area / area;
+    if (*hidden > HIDDEN)
         return TZ_OK;
     for (int32_t k = 0; k < ROUND && s == TZ_OK; k++) {
         const double t = 2 * TZ_PI * k / ROUND;
@@ -343,9 +347,11 @@ static tz_status set_circle(work *w, int32_t id)
         else if (other != FRAME)
             s = tz_array_push(w->ctx, &w->seen, f->outline.point.v[k]);
     }
+    /* without an ellipse: a chord that cuts off as much of the circle */
+    f->hidden = n > 0 ? pow((double)hidden / n, 2) : 0;
     if (s == TZ_OK && hidden * 20 > n && hidden * 3 < 2 * n) {
         const tz_moments m = tz_polys_moments(&polys);
-        s = complete(w, &m);
+        s = complete(w, &m, &f->hidden);
     }
     for (int32_t k = 0; k < n && s == TZ_OK; k++)
         s = tz_array_push(w->ctx, &w->seen, f->outline.point.v[k]);

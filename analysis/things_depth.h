@@ -9,7 +9,7 @@
 
 #include "analysis/things_set.h"
 
-/** Sets depth, at and radius of each thing from the outlines.
+/** Sets depth, at, radius and hidden of each thing from the outlines.
  * @param label  width * height, as tz_things_outlines leaves it */
 tz_status tz_things_order(tz_ctx *ctx, const int32_t *label, int32_t width,
                           int32_t height, tz_things_found *found, int32_t count);

@@ -15,6 +15,7 @@ enum { FAR = 30000 };
 #define DEEPEST 0.25 /* of a thing's largest depth: as deep joints may cut */
 #define CLEAR   4.0  /* as many times nearer, squared, must be the joint's colour */
 #define LEAST   5.0  /* Lab units: less than this is no joint */
+#define TAIL    0.22 /* of a thing's largest depth: what is thinner than twice that goes */
 
 typedef struct core {
     double colour[3], area;
@@ -207,6 +208,40 @@ static tz_status cut_joints(mask *m, double spread)
     return s == TZ_OK ? spread_joints(m) : s;
 }
 
+/* ---- tails --------------------------------------------------------------------------- */
+
+/* Opening of each thing by a disc that is small against it: scraps of joints and of other
+ * things that hang on it go to the ground. */
+static tz_status cut_tails(tz_ctx *ctx, int32_t *label, int32_t w, int32_t h,
+                           int32_t count)
+{
+    const ptrdiff_t n = (ptrdiff_t)w * h;
+    int16_t *depth = NULL, *far = NULL, *radius = NULL;
+    int32_t *core = NULL;
+    tz_status s = tz_things_depth_map(ctx, label, w, h, &depth);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &radius, (size_t)count + 1, sizeof *radius);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &core, (size_t)n, sizeof *core);
+    for (ptrdiff_t p = 0; p < n && s == TZ_OK; p++)
+        if (label[p] >= 0 && depth[p] > radius[label[p]])
+            radius[label[p]] = depth[p];
+    for (int32_t i = 0; i < count && s == TZ_OK; i++)
+        radius[i] = (int16_t)(TAIL * radius[i]);
+    for (ptrdiff_t p = 0; p < n && s == TZ_OK; p++)
+        core[p] = label[p] >= 0 && depth[p] > radius[label[p]] ? label[p] : -1;
+    if (s == TZ_OK)
+        s = tz_things_depth_map(ctx, core, w, h, &far);
+    for (ptrdiff_t p = 0; p < n && s == TZ_OK; p++)
+        if (label[p] >= 0 && core[p] < 0 && far[p] > radius[label[p]] + 1)
+            label[p] = -1;
+    tz_free(ctx, depth);
+    tz_free(ctx, far);
+    tz_free(ctx, radius);
+    tz_free(ctx, core);
+    return s;
+}
+
 /* ---- parts --------------------------------------------------------------------------- */
 
 typedef struct part {
@@ -318,6 +353,8 @@ tz_status tz_things_mask(tz_ctx *ctx, const tz_things_picture *in,
     *count = chosen->n;
     if (s == TZ_OK)
         s = cut_joints(&m, t->spread);
+    if (s == TZ_OK)
+        s = cut_tails(ctx, label, in->width, in->height, chosen->n);
     if (s == TZ_OK)
         s = keep_largest(ctx, label, in->width, in->height, least_area, count);
     tz_free(ctx, m.depth);

@@ -7,8 +7,8 @@
 #include "analysis/things_choose.h"
 
 /** Labels the pixels of the chosen nodes, 0 .. chosen->n - 1, others -1; then takes
- * joints, which the superpixels have shared out, away from the things at their sides, and
- * leaves each thing its largest 4-connected part. Things smaller than `least` px after
+ * joints, which the superpixels have shared out, away from the things at their sides and
+ * thin tails from each thing, and leaves it its largest 4-connected part. Things smaller than `least` px after
  * that are gone: labels are numbered anew, *count of them are left.
  * @param[out] label  width * height
  * @cost O(pixels) */

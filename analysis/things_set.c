@@ -26,7 +26,6 @@ typedef tz_element_look look;
 typedef struct colours {
     double rgb[3]; /* sums of linear light */
     int64_t n;
-    bool cut;
 } colours;
 
 static void sum_colours(const tz_image *photo, const int32_t *label, colours *c)
@@ -45,7 +44,6 @@ static void sum_colours(const tz_image *photo, const int32_t *label, colours *c)
                 c[l].rgb[k] += srgb ? tz_srgb_decode(v) : v;
             }
             c[l].n++;
-            c[l].cut = c[l].cut || x == 0 || y == 0 || x + 1 == w || y + 1 == h;
         }
 }
 
@@ -178,7 +176,7 @@ static tz_status add_samples(tz_element_set *s, tz_element *e)
     return st;
 }
 
-static tz_status add_thing(tz_element_set *s, const tz_things_found *f, bool cut)
+static tz_status add_thing(tz_element_set *s, const tz_things_found *f)
 {
     tz_element e = {.symbol = s->symbol.n,
                     .source = -1,
@@ -186,7 +184,7 @@ static tz_status add_thing(tz_element_set *s, const tz_things_found *f, bool cut
                     .scale = 1,
                     .radius = f->radius,
                     .depth = f->depth,
-                    .cut = cut};
+                    .cut = f->cut};
     tz_status st = add_symbol(s, f);
     if (st == TZ_OK)
         st = add_samples(s, &e);
@@ -219,7 +217,7 @@ tz_status tz_things_make_set(tz_ctx *ctx, const tz_image *photo, const int32_t *
         sum_colours(photo, label, c);
     for (int32_t i = 0; i < count && st == TZ_OK; i++) {
         double rgb[3], lab[3];
-        st = add_thing(s, &found[i], c[i].cut);
+        st = add_thing(s, &found[i]);
         if (st != TZ_OK)
             break;
         for (int k = 0; k < 3; k++)

@@ -13,7 +13,12 @@ typedef struct tz_things_found {
     tz_things_outline outline; /**< dense */
     tz_vec2 at;                /**< centre of the circle that holds it, hidden part too */
     double radius;
-    int32_t depth; /**< 0, 1, 2, ...: higher lies above */
+    int32_t depth;    /**< 0, 1, 2, ...: higher lies above */
+    double sure;      /**< 0..1, see things_score.h */
+    double hidden;    /**< share of it that others are estimated to hide */
+    double solid;     /**< its area over that of its convex hull */
+    double colour[3]; /**< mean, see things_ground.h */
+    bool cut;         /**< by the border, covered or doubtful: never copied */
 } tz_things_found;
 
 /** One element and symbol a thing, in the order of `found`.
