@@ -479,20 +479,21 @@ static inline tz_f4 settle(tz_f4 v, float shade, const tz_cutout *c, tz_map_kind
     return out;
 }
 
-/* Alpha without shadow: the nearest texel of level 0. */
-static void draw_mask(const tz_cutout *c, const tz_cutout_view *v, tz_layer *layer)
+/* Alpha without rim and shadow: the nearest texel of level 0. */
+static void mask_run(const tz_cutout *c, const tz_cutout_view *v, tz_rect part,
+                     tz_layer *layer)
 {
     const tz_rect r = layer->rect;
     const double up = ldexp(1, v->level);
     const tz_affine i = {v->inv.a * up, v->inv.b * up, v->inv.c * up,
                          v->inv.d * up, v->inv.e * up, v->inv.f * up};
-    for (int32_t y = 0; y < r.h; y++) {
+    for (int32_t y = part.y; y < part.y + part.h; y++) {
         int32_t from, to;
-        if (!columns(&i, &r, r.y + y, c->box.w, c->box.h, &from, &to))
+        if (!columns(&i, &part, y, c->box.w, c->box.h, &from, &to))
             continue;
-        float *m = layer->mask + (int64_t)y * TZ_ELEMENT_TILE - r.x;
+        float *m = layer->mask + (int64_t)(y - r.y) * TZ_ELEMENT_TILE - r.x;
         for (int32_t x = from; x < to; x++) {
-            const tz_vec2 p = tz_affine_apply(i, (tz_vec2){x + 0.5, r.y + y + 0.5});
+            const tz_vec2 p = tz_affine_apply(i, (tz_vec2){x + 0.5, y + 0.5});
             const int32_t u = (int32_t)p.x, w = (int32_t)p.y;
             if (p.x >= 0 && p.y >= 0 && u < c->box.w && w < c->box.h)
                 m[x] = (float)c->solid[(int64_t)w * c->box.w + u] / 255;
@@ -500,32 +501,38 @@ static void draw_mask(const tz_cutout *c, const tz_cutout_view *v, tz_layer *lay
     }
 }
 
-void tz_cutout_draw(const tz_cutout *c, const tz_element_symbol *y, tz_affine map,
-                    tz_map_kind kind, tz_layer *layer, tz_layer_work *w)
+void tz_cutout_run(const tz_cutout *c, const tz_cutout_view *v, tz_map_kind kind,
+                   tz_rect part, tz_layer *layer, tz_layer_work *w)
 {
     const tz_rect r = layer->rect;
-    if (c->empty)
-        return;
-    const tz_cutout_view v = tz_cutout_look(c, y, map);
+    const tz_source_plane *s = &c->plane[v->level];
     if (layer->mask) {
-        draw_mask(c, &v, layer);
+        mask_run(c, v, part, layer);
         return;
     }
-    const tz_source_plane *s = &c->plane[v.level];
-    for (int32_t row = 0; row < r.h; row++) {
+    for (int32_t y = part.y; y < part.y + part.h; y++) {
         int32_t from, to;
-        if (!columns(&v.inv, &r, r.y + row, s->width, s->height, &from, &to))
+        if (!columns(&v->inv, &part, y, s->width, s->height, &from, &to))
             continue;
-        sample_row(s, &v, from, r.y + row, to - from, w);
+        sample_row(s, v, from, y, to - from, w);
         if (c->shaded)
-            tz_source_row(&c->shade[v.level], v.inv, v.exact, from, r.y + row, to - from,
+            tz_source_row(&c->shade[v->level], v->inv, v->exact, from, y, to - from,
                           w->row);
-        tz_f4 *px = layer->px + (int64_t)row * TZ_ELEMENT_TILE - r.x;
+        tz_f4 *px = layer->px + (int64_t)(y - r.y) * TZ_ELEMENT_TILE - r.x;
         for (int32_t x = from; x < to; x++) {
             const float dark = c->shaded ? w->row[x - from] : 0;
-            const tz_f4 t = settle(w->sum[x - from], dark, c, kind, v.turn, w->decode);
+            const tz_f4 t = settle(w->sum[x - from], dark, c, kind, v->turn, w->decode);
             if (t[3] > 0)
                 tz_layer_over(&px[x], t);
         }
     }
+}
+
+void tz_cutout_draw(const tz_cutout *c, const tz_element_symbol *y, tz_affine map,
+                    tz_map_kind kind, tz_layer *layer, tz_layer_work *w)
+{
+    if (c->empty)
+        return;
+    const tz_cutout_view v = tz_cutout_look(c, y, map);
+    tz_cutout_run(c, &v, kind, layer->rect, layer, w);
 }

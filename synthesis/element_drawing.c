@@ -234,6 +234,14 @@ tz_status tz_drawing_init(tz_ctx *ctx, tz_drawing *d, const char *name,
     return s;
 }
 
+void tz_drawing_widen(tz_drawing *d, double scale)
+{
+    for (int32_t i = 0; i < d->part.n; i++)
+        d->part.v[i].pen.width *= scale;
+    if (!d->document)
+        d->box = bounds_of(d);
+}
+
 void tz_drawing_deinit(tz_ctx *ctx, tz_drawing *d)
 {
     clear_parts(ctx, d);

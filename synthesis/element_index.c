@@ -48,12 +48,12 @@ static tz_affine map_of(const tz_element_renderer *r, const tz_element *e)
 }
 
 /* Where the level that a copy samples is noted. */
-static void note_level(tz_element_renderer *r, int32_t symbol, tz_affine map)
+static void note_level(tz_element_renderer *r, int32_t symbol, tz_affine map, bool bent)
 {
     tz_cutout *c = &r->cutout[symbol];
     const tz_cutout_view v = tz_cutout_look(c, &r->set->symbol.v[symbol], map);
     c->levels |= 1U << v.level;
-    c->spline = c->spline || !v.exact;
+    c->spline = c->spline || bent || !v.exact;
 }
 
 static tz_status add_showing(tz_ctx *ctx, tz_element_renderer *r, int32_t element,
@@ -79,7 +79,8 @@ static tz_status add_element(tz_ctx *ctx, tz_element_renderer *r, int32_t i)
     const tz_bounds local = cut ? r->cutout[e->symbol].local : r->drawing[e->symbol].box;
     tz_affine map = map_of(r, e);
     const double w = r->width, h = r->height;
-    tz_bounds b = tz_bounds_map(local, map);
+    const tz_bent *bent = tz_bent_find(r, i);
+    tz_bounds b = bent ? tz_bent_bounds(r, bent, map) : tz_bounds_map(local, map);
     if ((cut && r->cutout[e->symbol].empty) || !(b.x0 <= b.x1 && b.y0 <= b.y1))
         return TZ_OK;
     if (!(fabs(b.x0) < 1e9 && fabs(b.x1) < 1e9 && fabs(b.y0) < 1e9 && fabs(b.y1) < 1e9))
@@ -107,7 +108,7 @@ static tz_status add_element(tz_ctx *ctx, tz_element_renderer *r, int32_t i)
             m.f += j * h;
             s = add_showing(ctx, r, i, m, at);
             if (s == TZ_OK && cut)
-                note_level(r, e->symbol, m);
+                note_level(r, e->symbol, m, bent != NULL);
         }
     return s;
 }

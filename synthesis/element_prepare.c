@@ -294,6 +294,8 @@ tz_status tz_element_renderer_new(tz_ctx *ctx, const tz_element_set *set,
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, set->symbol.n + 1, prepare_drawing, r);
     if (s == TZ_OK)
+        s = tz_bent_init(ctx, r);
+    if (s == TZ_OK)
         s = prepare_photos(ctx, r, &job);
     if (s == TZ_OK)
         s = tz_showing_index_init(ctx, r);
@@ -317,6 +319,7 @@ void tz_element_renderer_free(tz_element_renderer *r)
         tz_cutout_deinit(ctx, &r->cutout[i]);
     for (int32_t i = 0; i <= n && r->drawing; i++)
         tz_drawing_deinit(ctx, &r->drawing[i]);
+    tz_bent_deinit(ctx, r);
     tz_showing_index_deinit(ctx, &r->index);
     tz_free(ctx, r->cutout);
     tz_free(ctx, r->decode);

@@ -45,7 +45,8 @@ static tz_status work_init(tz_ctx *ctx, const job *b, tz_layer_work *w)
     if (s == TZ_OK && b->what >= 0)
         s = tz_alloc(ctx, &w->label, n, sizeof *w->label);
     if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &w->document, (size_t)b->r->set->symbol.n + 1,
+        s = tz_alloc_zero(ctx, &w->document,
+                          (size_t)b->r->set->symbol.n + (size_t)b->r->bent.n + 1,
                           sizeof *w->document);
     if (s == TZ_OK)
         s = tz_cover_init(ctx, &w->cover, TILE, TILE);
@@ -56,7 +57,7 @@ static tz_status work_init(tz_ctx *ctx, const job *b, tz_layer_work *w)
 
 static void work_deinit(tz_ctx *ctx, const tz_element_renderer *r, tz_layer_work *w)
 {
-    for (int32_t i = 0; w->document && i <= r->set->symbol.n; i++)
+    for (int32_t i = 0; w->document && i <= r->set->symbol.n + r->bent.n; i++)
         if (w->document[i])
             w->api->close(w->document[i]);
     tz_free(ctx, w->row);
@@ -83,6 +84,16 @@ static tz_status draw_showing(tz_ctx *ctx, const tz_element_renderer *r,
     const int32_t k =
         p->element < 0 ? r->set->symbol.n : r->set->element.v[p->element].symbol;
     const tz_element_symbol *y = p->element < 0 ? NULL : &r->set->symbol.v[k];
+    const tz_bent *bent = tz_bent_find(r, p->element);
+    if (bent && tz_symbol_cut(y)) {
+        tz_bent_draw_cutout(r, bent, p, layer, w);
+        return TZ_OK;
+    }
+    if (bent) {
+        const tz_affine about = {r->sx, 0, 0, r->sy, p->map.e, p->map.f};
+        const int32_t number = r->set->symbol.n + 1 + (int32_t)(bent - r->bent.v);
+        return tz_drawing_draw(ctx, &bent->drawing, number, about, layer, w);
+    }
     if (y && tz_symbol_cut(y)) {
         tz_cutout_draw(&r->cutout[k], y, p->map, r->kind, layer, w);
         return TZ_OK;
@@ -214,10 +225,13 @@ int32_t tz_element_map_channels(tz_element_map what)
 static void put_uv(const tz_element_renderer *r, const tz_showing *p,
                    const tz_element_symbol *y, int32_t px, int32_t py, float *at)
 {
+    const tz_bent *bent = tz_bent_find(r, p->element);
     tz_affine inv;
     if (!tz_affine_invert(p->map, &inv))
         return;
     tz_vec2 q = tz_affine_apply(inv, (tz_vec2){px + 0.5, py + 0.5});
+    if (bent)
+        q = tz_bent_source(r, bent, p->map, px + 0.5, py + 0.5);
     if (tz_symbol_cut(y)) {
         const tz_element_photo *f = &r->set->photo.v[y->photo];
         q.x = (y->photo_at.x + q.x * y->photo_scale) / (f->width > 0 ? f->width : 1);
@@ -240,7 +254,10 @@ static void put_label(const job *b, const tz_showing *p, int32_t x, int32_t y, f
     } else if (b->what == TZ_ELEMENT_MAP_CLASS) {
         *at = (float)(e->kind + 1);
     } else if (b->what == TZ_ELEMENT_MAP_ANGLE) {
-        const double t = e->angle / (2 * TZ_PI), f = t - floor(t);
+        const tz_bent *bent = tz_bent_find(r, p->element);
+        const double angle =
+            bent ? tz_bent_angle(r, bent, p->map, x + 0.5, y + 0.5) : e->angle;
+        const double t = angle / (2 * TZ_PI), f = t - floor(t);
         *at = r->set->kind.v[e->kind].oriented ? (float)f : 0;
         *at = *at >= 1 ? 0 : *at;
     } else {

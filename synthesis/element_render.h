@@ -9,7 +9,9 @@
  * The domain is shown on a canvas of width x height px: size times params.scale, rounded.
  * Pictures are made in canvas tiles of TZ_ELEMENT_TILE px, always whole, so that any crop
  * equals that part of the whole, bit for bit, at any thread count. Elements lie above each
- * other by depth, those of one depth by index. Void kinds are not drawn. On a torus what
+ * other by depth, those of one depth by index. Void kinds are not drawn. Elements of three
+ * samples and more show bent where these do not lie as in their symbol by 1/20 of its
+ * radius and more (elements/bend.h); what cannot be bent (see tz_bend_markup) shows plain. On a torus what
  * reaches over a border comes in again on the other side.
  * @source Porter, Duff: Compositing digital images, SIGGRAPH 1984; [Dav19] Sec. 4 */
 #ifndef TZ_SYNTHESIS_ELEMENT_RENDER_H
@@ -96,7 +98,8 @@ TZ_API tz_status tz_element_renderer_like(tz_ctx *ctx, const tz_element_renderer
 typedef enum tz_element_map {
     TZ_ELEMENT_MAP_ID,    /**< 1 channel: element + 1 (exact up to 2^24) */
     TZ_ELEMENT_MAP_CLASS, /**< 1 channel: kind + 1 */
-    TZ_ELEMENT_MAP_ANGLE, /**< 1 channel: angle / 2 pi in [0, 1) of oriented kinds, else 0 */
+    TZ_ELEMENT_MAP_ANGLE, /**< 1 channel: angle / 2 pi in [0, 1) of oriented kinds (bent
+                               ones: there), else 0 */
     TZ_ELEMENT_MAP_UV     /**< 3 channels: u, v, 1. Cut-outs: place in the photo over its
                                size; drawings: place in the symbol, -radius..radius as 0..1 */
 } tz_element_map;

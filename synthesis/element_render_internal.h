@@ -6,12 +6,14 @@
  *       ──matte───▶ alpha, pure colour and shade of a cut-out           element_matte.c
  *       ──rim─────▶ what it carries along of the gap about it           element_rim.c
  *       ──cutout──▶ pixels ready for sampling, at the sizes needed      element_cutout.c
+ *       ──bent────▶ elements that no rigid pose shows                   element_bent.c
  *       ──index───▶ which elements may show in which tiles              element_index.c
  *   tile ◀─render── all of these, one above the other                   element_render.c */
 #ifndef TZ_SYNTHESIS_ELEMENT_RENDER_INTERNAL_H
 #define TZ_SYNTHESIS_ELEMENT_RENDER_INTERNAL_H
 
 #include "base/svg.h"
+#include "elements/bend.h"
 #include "synthesis/compose_internal.h"
 #include "synthesis/element_cover_internal.h"
 #include "synthesis/element_render.h"
@@ -86,6 +88,8 @@ typedef struct tz_drawing {
 tz_status tz_drawing_init(tz_ctx *ctx, tz_drawing *d, const char *name,
                           const char *markup, double radius);
 void tz_drawing_deinit(tz_ctx *ctx, tz_drawing *d); /**< takes zeroed */
+/** Scales the widths of its lines, but for librsvg's. */
+void tz_drawing_widen(tz_drawing *d, double scale);
 /** Lays it onto a layer (or into its mask).
  * @param number  of the drawing: place of its open document in w->document */
 tz_status tz_drawing_draw(tz_ctx *ctx, const tz_drawing *d, int32_t number, tz_affine map,
@@ -213,6 +217,9 @@ tz_status tz_cutout_fill(tz_ctx *ctx, tz_cutout *c, const tz_element_symbol *y,
 void tz_cutout_deinit(tz_ctx *ctx, tz_cutout *c); /**< takes zeroed */
 void tz_cutout_draw(const tz_cutout *c, const tz_element_symbol *y, tz_affine map,
                     tz_map_kind kind, tz_layer *layer, tz_layer_work *w);
+/** A part of it under one view. @param part  canvas px, within the layer */
+void tz_cutout_run(const tz_cutout *c, const tz_cutout_view *v, tz_map_kind kind,
+                   tz_rect part, tz_layer *layer, tz_layer_work *w);
 
 /* ---- index --------------------------------------------------------------------------- */
 
@@ -232,6 +239,14 @@ typedef struct tz_showing_index {
     showing; /**< in drawing order */
 } tz_showing_index;
 
+/** An element that is bent so far that one sees it. */
+typedef struct tz_bent {
+    int32_t element;
+    tz_bend bend;
+    tz_drawing
+        drawing; /**< bent, world units about the element's place; of cut-outs none */
+} tz_bent;
+
 struct tz_element_renderer {
     const tz_element_set *set;
     tz_map_kind kind;
@@ -245,9 +260,32 @@ struct tz_element_renderer {
     tz_drawing *drawing; /**< per symbol, and the background */
     tz_cutout *cutout;   /**< per symbol */
     float *decode;       /**< TZ_DECODE + 2 values: linear light of sRGB */
+    int32_t *bent_of; /**< per element: index into bent, -1 = plain; NULL = all plain */
+    TZ_ARRAY(tz_bent)
+    bent;
     tz_showing_index index;
     tz_ctx *ctx;
 };
+
+/** Fills r->bent. */
+tz_status tz_bent_init(tz_ctx *ctx, tz_element_renderer *r);
+void tz_bent_deinit(tz_ctx *ctx, tz_element_renderer *r);
+/** The warp of an element; NULL = its plain pose. */
+static inline const tz_bent *tz_bent_find(const tz_element_renderer *r, int32_t element)
+{
+    const int32_t k = r->bent_of && element >= 0 ? r->bent_of[element] : -1;
+    return k >= 0 ? &r->bent.v[k] : NULL;
+}
+/** Where it shows, canvas px. @param map  of its plain pose, symbol -> canvas px */
+tz_bounds tz_bent_bounds(const tz_element_renderer *r, const tz_bent *b, tz_affine map);
+/** Place of the symbol that shows at a place of the canvas. */
+tz_vec2 tz_bent_source(const tz_element_renderer *r, const tz_bent *b, tz_affine map,
+                       double x, double y);
+/** Angle of its symbol's x axis there, radians. */
+double tz_bent_angle(const tz_element_renderer *r, const tz_bent *b, tz_affine map,
+                     double x, double y);
+void tz_bent_draw_cutout(const tz_element_renderer *r, const tz_bent *b,
+                         const tz_showing *p, tz_layer *layer, tz_layer_work *w);
 
 /** Symbol of a showing is a cut-out. */
 static inline bool tz_symbol_cut(const tz_element_symbol *y)

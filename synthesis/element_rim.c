@@ -3,13 +3,15 @@
  * the cut-out carries along, so that things laid over each other do not melt together.
  *
  * A rim is as wide as half of the usual gap between the photo's things: rays run outward
- * from all outlines, as far as the next thing, and what two fifths of them have reached counts (many pass
- * by what is nearest); thin things have thinner ones. Its weight falls smoothly to 0 with the distance d from the outline,
+ * from all outlines, as far as the next thing; that as far as two fifths of them go counts
+ * (many pass by what is nearest). Thin things have thinner rims. Their weight falls
+ * smoothly to 0 with the distance d from the outline,
  *   w = 1 - t^2 (3 - 2 t),   t = (d - r / 3) / (r - r / 3) in 0..1,
- * and only ground counts, and of it what looks like what lies between things: no lighter
- * and of no other hue than most of it (not finding a thing does not make it ground). Where another thing touches, no more is taken than the dark line
- * between both: what lies within 2 px and is darker by a quarter and more than either thing
- * is 3 px farther in. */
+ * and only ground counts, and of it what looks like what lies between things: not lighter
+ * and of no other hue than most of it (not to be found does not make a thing ground). Where
+ * another thing touches, no more is taken than the dark line between both: what lies within
+ * 2 px and is darker by a quarter and more than either thing is 3 px farther in.
+ */
 #include "synthesis/element_render_internal.h"
 
 #define RIM_LEAST 1.5
@@ -136,7 +138,8 @@ tz_status tz_rim_look(tz_ctx *ctx, const tz_element_set *set, int32_t photo,
                            ? -INFINITY
                            : (float)quantile(r->seen[k], TONES, 0.1) / TONES;
         p->gap_hi[k] =
-            seen < FEW ? INFINITY : (float)(quantile(r->seen[k], TONES, 0.9) + 1) / TONES;
+            seen < FEW ? INFINITY
+                       : (float)(quantile(r->seen[k], TONES, k ? 0.9 : 0.8) + 1) / TONES;
     }
     p->sized = p->rim < 0;
     if (p->sized)
