@@ -34,6 +34,8 @@ typedef struct choice {
     int32_t unit, n;
     int8_t near[TZ_GROWTH_NEAR];
     float cost;
+    uint64_t decided; /* which of them lie where something was decided before */
+    bool strict;
 } choice;
 
 /* ---- spots ----------------------------------------------------------------------- */
@@ -358,7 +360,7 @@ static bool push_out(const tz_growth *g, const tz_growth_exemplar *ex,
 }
 
 /* Copies what has been chosen. */
-static tz_status copy(tz_growth *g, int32_t seed, const choice *c, uint64_t decided,
+static tz_status copy(tz_growth *g, int32_t seed, const choice *c,
                       const tz_growth_view *view, int32_t *grown)
 {
     const tz_growth_spot q = g->spot.v[seed];
@@ -375,9 +377,11 @@ static tz_status copy(tz_growth *g, int32_t seed, const choice *c, uint64_t deci
         tz_growth_look(g, x, y, g->wide, -1, &there);
         const int32_t shown = tz_growth_show(g, q.texture, unit, x, y, &there);
         const tz_growth_unit *u = &ex->unit[shown];
+        if (c->strict && tz_growth_is_twin(g, q.texture, shown))
+            continue;
         if ((!tz_growth_fits(ex, u, 0, 0, &there) &&
              (c->cost < well || !push_out(g, ex, u, &x, &y, &there))) ||
-            !is_wanted(g, ex, u, c->cost, decided >> k & 1, &there))
+            !is_wanted(g, ex, u, c->cost, c->decided >> k & 1, &there))
             continue;
         const tz_status s = tz_growth_place(g, q.texture, unit, shown, x, y, &there);
         if (s != TZ_OK)
@@ -419,11 +423,12 @@ tz_status tz_growth_visit(tz_growth *g, int32_t seed, tz_growth_visiting how,
         q->waiting = true;
         return TZ_OK;
     }
-    const uint64_t decided = list_decided(g, q, &c, &view);
+    c.decided = list_decided(g, q, &c, &view);
+    c.strict = how == TZ_GROWTH_STRICT;
     q->run = c.unit == q->match ? q->run : 0;
     q->match = c.unit;
     tz_growth_decide(g, q, c.unit);
-    const tz_status s = copy(g, seed, &c, decided, &view, grown);
+    const tz_status s = copy(g, seed, &c, &view, grown);
     q = &g->spot.v[seed];
     if (s == TZ_OK && how != TZ_GROWTH_MEND && !g->ex[q->texture].unit[c.unit].known &&
         q->visits < VISITS)

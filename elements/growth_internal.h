@@ -342,6 +342,8 @@ tz_status tz_growth_find_others(tz_ctx *ctx, tz_growth_exemplar *ex);
  * farthest from here, that has room. */
 int32_t tz_growth_show(tz_growth *g, int32_t texture, int32_t unit, double x, double y,
                        const tz_growth_view *view);
+/** Whether what tz_growth_show has named would stand beside a copy of itself. */
+bool tz_growth_is_twin(const tz_growth *g, int32_t texture, int32_t shown);
 
 /* ---- growth_optimise.c ----------------------------------------------------------- */
 

@@ -20,13 +20,15 @@
 enum { WINDOW = 256, RAYS = 32 }; /* of size, either way; compared of each pair */
 
 /* Units less like than this, share of the radius, are not shown for another. */
-static const float unlike_most = 0.35F;
+static const float unlike_most = 0.6F;
 /* Cost of being as unlike as that; of each use more than due, in uses due; of standing
  * side by side with a copy. */
-static const float cost_unlike = 0.5F, cost_use = 1, cost_near = 3;
+static const float cost_unlike = 0.9F, cost_use = 1, cost_near = 5;
 /* Copies want to be farther apart than this: share of what even use allows, and spacings
  * at most. */
 static const float far_share = 0.6F, far_most = 7;
+/* Nearer than these two they are twins. */
+static const float twin_share = 0.25F, twin_most = 2.5F;
 
 /* ---- alike units ------------------------------------------------------------------- */
 
@@ -134,7 +136,7 @@ int32_t tz_growth_show(tz_growth *g, int32_t texture, int32_t unit, double x, do
     const tz_growth_unit *u = &ex->unit[unit];
     const tz_vec3 at = tz_domain_wrap(&g->out->domain, (tz_vec3){x, y, 0});
     float cost[TZ_GROWTH_OTHERS];
-    if (u->others < 2)
+    if (u->others < 1)
         return unit;
     const float due = (float)g->counted[texture] / (float)ex->n + 1;
     const float even = far_share * sqrtf((float)ex->elements);
@@ -159,4 +161,12 @@ int32_t tz_growth_show(tz_growth *g, int32_t texture, int32_t unit, double x, do
             return u->other[best];
     }
     return unit;
+}
+
+bool tz_growth_is_twin(const tz_growth *g, int32_t texture, int32_t shown)
+{
+    const tz_growth_exemplar *ex = &g->ex[texture];
+    const tz_growth_unit *u = &ex->unit[shown];
+    const float apart = fminf(twin_most, twin_share * sqrtf((float)ex->elements));
+    return u->others > 0 && u->recent < apart * (float)ex->spacing;
 }
