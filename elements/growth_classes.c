@@ -9,7 +9,7 @@
 
 #include "elements/growth_internal.h"
 
-enum { LEAST = 4, AXES = 6, FEW = 10, EXPECTED = 6 };
+enum { LEAST = 16, RARE = 25, AXES = 6, FEW = 10, EXPECTED = 6 };
 static const float tolerance = 0.97F;
 
 /* The lowest shares seen of a pair of classes. */
@@ -34,12 +34,15 @@ static void note(lows *l, float v)
         l->v[i] = v;
 }
 
-/* Of many pairs one in a hundred may be an accident. */
-static float low(const lows *l)
+/* The share that one in so many pairs undercuts. */
+static float low_of(const lows *l, int32_t rare)
 {
-    const int32_t i = l->n / 100;
+    const int32_t i = l->n / rare;
     return tolerance * l->v[i < LEAST ? i : LEAST - 1];
 }
+
+/* Of many pairs one in a hundred may be an accident. */
+static float low(const lows *l) { return low_of(l, 100); }
 
 static int32_t size_bin(const tz_growth_unit *e, double radius)
 {
@@ -197,6 +200,9 @@ static tz_status find_limits(tz_ctx *ctx, tz_growth_exemplar *ex)
         if (touch && every[1].n > 0)
             overlap = fmaxf(overlap, fminf(1, low(&every[1])));
         set_limits(ex, pair, &every[touch], overlap, touch ? ex->touch : ex->limit);
+        /* what has been cut out of a photo overlaps by mistake only */
+        for (size_t k = 0; k < pairs && touch && ex->own && every[1].n > 0; k++)
+            ex->touch[k] = fmaxf(ex->touch[k], fminf(1, low_of(&every[1], RARE)));
         tz_free(ctx, pair);
     }
     for (size_t k = 0; s == TZ_OK && k < pairs; k++)
