@@ -192,6 +192,7 @@ static tz_status end_all(tz_svg_writer *w)
 tz_status tz_svg_writer_close_text(tz_svg_writer *w, char **text)
 {
     tz_status s = end_all(w);
+    tz_array_free(w->out.ctx, &w->open);
     if (s == TZ_OK)
         s = tz_file_out_text(&w->out, text);
     tz_svg_writer_abort(w);

@@ -87,12 +87,9 @@ tz_status tz_paint_read(tz_ctx *ctx, const char *path, tz_vec3 size, double radi
     tz_element_reader r;
     *p = (tz_paint){.ctx = ctx};
     tz_status s = tz_guide_read_svg(ctx, path, size, &r);
-    const double scale =
-        s == TZ_OK ? sqrt(fmax(1e-12, size.x / r.view.x * (size.y / r.view.y))) : 1;
     for (int32_t i = 0; s == TZ_OK && i < r.part.n; i++) {
         const double width = r.part.v[i].look.stroke & 0xff ? r.part.v[i].look.width : 0;
-        s = add_part(p, &r, &r.part.v[i],
-                     radius > 0 ? radius : fmax(least, 0.5 * scale * width));
+        s = add_part(p, &r, &r.part.v[i], radius > 0 ? radius : fmax(least, 0.5 * width));
     }
     if (s == TZ_OK && p->stroke.n == 0)
         s = tz_fail(
