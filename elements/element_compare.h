@@ -20,7 +20,7 @@ typedef struct tz_element_likeness {
     double overlaps[2]; /**< share of elements that overlap another (nearer than 0.8 of
                              where the two touch), exemplar, layout */
     double hole[2];     /**< radius of the widest disc inside the domain that touches no
-                             element's circle, exemplar, layout */
+                             element's outline (elements/extent.h), exemplar, layout */
     double distance[3]; /**< mean neighbourhood distance itself, [Dav19] Eq. (5) */
 } tz_element_likeness;
 

@@ -1,15 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The widest empty disc, by branch and bound: the room about a place changes no faster
+/* The widest empty disc between shapes, by branch and bound: the room about a place changes no faster
  * than the place moves, so a square whose middle has room f cannot hold a place with more
  * than f + half its diagonal. Squares that may hold more than the best so far are
- * quartered until they are small. */
+ * quartered until they are small.
+ *
+ * Shapes are what their extents make of them: points on the ends of their rays stand for
+ * the outline, so that room is a distance, and rays tell what lies within. Discs are
+ * themselves. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/kdtree.h"
 #include "elements/element_statistics.h"
 
-enum { NEAREST = 12, MOST_SQUARES = 4000, SPLITS = 6 };
+enum {
+    NEAREST = 16,
+    MOST_SQUARES = 4000,
+    SPLITS = 6,
+    MANY = 20000, /* elements from which on every fourth ray does */
+    SPARSE = 4
+};
 
 typedef struct square {
     double x, y, room;
@@ -17,21 +27,47 @@ typedef struct square {
 
 typedef struct hole {
     const tz_field *f;
-    tz_kdtree tree; /* on a torus with the copies that reach in */
+    tz_kdtree tree, rim; /* centres, ends of rays; on a torus with copies that reach in */
     TZ_ARRAY(float)
     point;
+    TZ_ARRAY(int32_t)
+    item; /* that a point is the centre of */
     TZ_ARRAY(float)
-    radius;
+    end;
     TZ_ARRAY(square)
     open, next;
 } hole;
 
-static tz_status add_point(hole *h, double x, double y, double radius)
+static bool is_disc(const tz_field *f, const tz_element *e)
 {
-    tz_status s = tz_array_push(h->f->ctx, &h->point, (float)x);
+    if (e->symbol < 0 || e->symbol >= f->extents.n)
+        return true;
+    for (int32_t k = 0; k < TZ_EXTENT_DIRECTIONS; k++)
+        if (f->extents.v[e->symbol].r[k] < 1)
+            return false;
+    return true;
+}
+
+static tz_status add_item(hole *h, int32_t i, double x, double y)
+{
+    const tz_field *f = h->f;
+    const tz_element *e = f->item[i].element;
+    const int32_t step = f->n > MANY ? SPARSE : 1;
+    tz_status s = tz_array_push(f->ctx, &h->point, (float)x);
     if (s == TZ_OK)
-        s = tz_array_push(h->f->ctx, &h->point, (float)y);
-    return s == TZ_OK ? tz_array_push(h->f->ctx, &h->radius, (float)radius) : s;
+        s = tz_array_push(f->ctx, &h->point, (float)y);
+    if (s == TZ_OK)
+        s = tz_array_push(f->ctx, &h->item, i);
+    if (is_disc(f, e))
+        return s;
+    for (int32_t k = 0; k < TZ_EXTENT_DIRECTIONS && s == TZ_OK; k += step) {
+        const double angle = e->angle + 2 * TZ_PI * k / TZ_EXTENT_DIRECTIONS;
+        const double r = e->radius * f->extents.v[e->symbol].r[k];
+        s = tz_array_push(f->ctx, &h->end, (float)(x + r * cos(angle)));
+        if (s == TZ_OK)
+            s = tz_array_push(f->ctx, &h->end, (float)(y + r * sin(angle)));
+    }
+    return s;
 }
 
 static tz_status plant(hole *h)
@@ -49,28 +85,43 @@ static tz_status plant(hole *h)
                 const double x = f->at[i].x + k * size.x, y = f->at[i].y + m * size.y;
                 if (!f->item[i].is_void && x > -mx && x < size.x + mx && y > -my &&
                     y < size.y + my)
-                    s = add_point(h, x, y, f->item[i].radius);
+                    s = add_item(h, i, x, y);
             }
-    if (s == TZ_OK && h->radius.n > 0)
-        s = tz_kdtree_init(f->ctx, &h->tree, h->point.v, h->radius.n, 2);
+    if (s == TZ_OK && h->item.n > 0)
+        s = tz_kdtree_init(f->ctx, &h->tree, h->point.v, h->item.n, 2);
+    if (s == TZ_OK && h->end.n > 0)
+        s = tz_kdtree_init(f->ctx, &h->rim, h->end.v, h->end.n / 2, 2);
     return s;
 }
 
-/* Room about a place: to the nearest circle and, on a plain domain, to the border. */
+/* Room about a place: to the nearest outline and, on a plain domain, to the border; below
+ * 0 within a shape. */
 static double room_at(const hole *h, double x, double y)
 {
-    const tz_vec3 size = h->f->domain.size;
-    double room = fmin(size.x, size.y) / 2;
+    const tz_field *f = h->f;
+    const tz_vec3 size = f->domain.size;
+    double room = fmin(size.x, size.y) / 2, rim = INFINITY;
     int32_t id[NEAREST];
     float dist2[NEAREST];
     const float q[2] = {(float)x, (float)y};
-    const int32_t n =
-        h->radius.n > 0 ? tz_kdtree_nearest(&h->tree, q, NEAREST, id, dist2) : 0;
-    if (!h->f->domain.torus)
+    if (!f->domain.torus)
         room = fmin(fmin(x, size.x - x), fmin(y, size.y - y));
-    for (int32_t k = 0; k < n; k++)
-        room = fmin(room, sqrt((double)dist2[k]) - (double)h->radius.v[id[k]]);
-    return room;
+    if (h->end.n > 0 && tz_kdtree_nearest(&h->rim, q, 1, id, dist2) > 0)
+        rim = sqrt((double)dist2[0]);
+    const int32_t n =
+        h->item.n > 0 ? tz_kdtree_nearest(&h->tree, q, NEAREST, id, dist2) : 0;
+    for (int32_t k = 0; k < n; k++) {
+        const tz_element *e = f->item[h->item.v[id[k]]].element;
+        const double d = sqrt((double)dist2[k]);
+        if (is_disc(f, e))
+            room = fmin(room, d - e->radius);
+        else if (d < e->radius &&
+                 d < tz_extent_of(&f->extents, e,
+                                  atan2(y - (double)h->point.v[2 * id[k] + 1],
+                                        x - (double)h->point.v[2 * id[k]])))
+            room = fmin(room, -rim);
+    }
+    return fmin(room, rim);
 }
 
 static int by_room(const void *a, const void *b)
@@ -138,8 +189,11 @@ tz_status tz_field_hole(const tz_field *f, double *radius)
     *radius = best;
     if (h.tree.n > 0)
         tz_kdtree_deinit(&h.tree);
+    if (h.rim.n > 0)
+        tz_kdtree_deinit(&h.rim);
     tz_array_free(f->ctx, &h.point);
-    tz_array_free(f->ctx, &h.radius);
+    tz_array_free(f->ctx, &h.item);
+    tz_array_free(f->ctx, &h.end);
     tz_array_free(f->ctx, &h.open);
     tz_array_free(f->ctx, &h.next);
     return s;

@@ -55,8 +55,8 @@ tz_status tz_statistics_of(const tz_field *f, double spacing, double reach,
 /** Share of elements that overlap another: nearer than 0.8 of the distance at which the two
  * touch, see elements/extent.h. */
 tz_status tz_field_overlaps(const tz_field *f, double *share);
-/** Radius of the widest disc in the domain that touches no element's circle, to about a
- * hundredth of the spacing. */
+/** Radius of the widest disc in the domain that touches no element's outline, see
+ * elements/extent.h, to about a hundredth of the spacing. */
 tz_status tz_field_hole(const tz_field *f, double *radius);
 /** Mean over f of the distance to the most alike neighbourhood of g, root mean square
  * over the `near` neighbours.
