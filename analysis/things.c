@@ -13,6 +13,8 @@
 #include "analysis/things.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "analysis/things_choose.h"
@@ -30,6 +32,10 @@
 #define MOST_DOUBLED 600000 /* px of a photo */
 #define DOUBT        0.4    /* of the certainty: more is no sure ground */
 #define ROUNDING     0.045 /* of the middle thing's diameter: as large a smoothing is 1 */
+#define SCARCE       0.12  /* share of the picture: less ground than that is no plate */
+#define COVERED      0.08  /* mean hidden share of piled things */
+#define CLEAR        0.6   /* share of the things that is unlike the ground */
+#define SOLID        0.95  /* mean share of the convex hulls */
 #define LEAST        16.0  /* px of the smallest thing there is */
 
 static const tz_param rows[] = {
@@ -46,6 +52,11 @@ static const tz_param rows[] = {
      "auto|normal|double",
      "at which size of the photo to look for things; auto starts at half in large ones "
      "and goes up to double in small ones"},
+    {"plate", TZ_PARAM_ENUM, offsetof(tz_things_params, plate), 0, 0, "auto", "",
+     "auto|ground|photo",
+     "what lies beneath the things: ground with them taken out, or the photo itself, "
+     "which "
+     "suits piles; auto is the photo for piles"},
 };
 
 const tz_param_table tz_things_param_table = {
@@ -393,6 +404,46 @@ static tz_status sort_found(work *k)
     return s;
 }
 
+/* Colour only, and no holes in it. */
+static tz_status take_photo(const work *k, tz_image *plate)
+{
+    const tz_image *im = k->photo;
+    const int32_t channels = im->channels >= 3 ? 3 : 1;
+    const tz_status s = tz_image_init(k->ctx, plate, im->width, im->height, channels);
+    if (s != TZ_OK)
+        return s;
+    plate->encoding = im->encoding;
+    plate->depth = im->depth;
+    for (int32_t y = 0; y < im->height; y++)
+        for (int32_t x = 0; x < im->width; x++)
+            for (int32_t c = 0; c < channels; c++) {
+                const float v = tz_image_at(im, x, y)[c];
+                tz_image_at(plate, x, y)[c] = v == v ? v : 0;
+            }
+    return TZ_OK;
+}
+
+/* Piles hide their ground: what would show through a gap is more of the same. Their things
+ * cover each other, or what is between them is like them and they have no clear outline. */
+static bool is_pile(const work *k)
+{
+    double hidden = 0, solid = 0;
+    for (int32_t i = 0; i < k->count; i++) {
+        hidden += k->found[i].hidden / k->count;
+        solid += k->found[i].solid / k->count;
+    }
+    return k->count > 0 && k->ground.share < SCARCE &&
+           (hidden > COVERED || (k->ground.clear < CLEAR && solid < SOLID));
+}
+
+static tz_status make_plate(const work *k, tz_image *plate)
+{
+    const int32_t how = k->params->plate;
+    if (how == TZ_THINGS_PLATE_PHOTO || (how == TZ_THINGS_PLATE_AUTO && is_pile(k)))
+        return take_photo(k, plate);
+    return tz_things_plate(k->ctx, k->photo, &k->ground, plate);
+}
+
 static tz_status check(tz_ctx *ctx, const tz_image *photo, const tz_things_params *p)
 {
     if (photo->width < 1 || photo->height < 1 || photo->channels < 1 ||
@@ -447,7 +498,7 @@ tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
         s = tz_things_make_set(ctx, photo, k.label, k.found, k.count, params->classes,
                                out);
     if (s == TZ_OK && plate)
-        s = tz_things_plate(ctx, photo, k.label, k.doubtful, plate);
+        s = make_plate(&k, plate);
     if (s == TZ_OK && tz_ctx_cancelled(ctx))
         s = TZ_CANCELLED;
     if (s == TZ_OK && label)

@@ -18,6 +18,12 @@ typedef enum tz_things_detail {
     TZ_THINGS_DOUBLE
 } tz_things_detail;
 
+typedef enum tz_things_beneath {
+    TZ_THINGS_PLATE_AUTO,
+    TZ_THINGS_PLATE_GROUND,
+    TZ_THINGS_PLATE_PHOTO
+} tz_things_beneath;
+
 /** Table: tz_things_param_table. */
 typedef struct tz_things_params {
     double size_range[2]; /**< px, diameter of a circle of a thing's area, least and
@@ -28,6 +34,10 @@ typedef struct tz_things_params {
     double certainty; /**< 0..1: what is less surely a thing is ground */
     int32_t detail;   /**< tz_things_detail: at which size of the photo to look; auto =
                                the best of half, normal and, up to 0.6 Mpx, double */
+    int32_t plate; /**< tz_things_beneath: ground = with the things taken out; photo = as
+                         it is, for piles, where gaps show more of the same; auto = the photo
+                         where little sure ground is seen between things that cover
+                         each other or merge into it */
     char model
         [TZ_PARAM_STRING_SIZE]; /**< structured-forest model file, "" = Terrazzo's own;
                                      has no row: commands share that of tz_ebpt_params */

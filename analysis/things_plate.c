@@ -1,33 +1,40 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ground is kept but for a rim along the things, which has their colours in it. The
- * rest is filled with patches of what is kept, from coarse to fine: every patch that
- * touches the hole looks for its nearest in the ground (PatchMatch: neighbours hand on
- * what they have found, random looks around it), then each pixel of the hole becomes the
- * mean of what the patches over it propose, the better ones counting more; twice as fine,
- * the same places are the start. Levels on which the ground is too thin for patches are
- * left out; where it is too thin on all, as in the joints of a pavement, the hole is
- * filled smoothly from the ground around it, with grain as strong as the ground's.
+/* What is surely ground is kept, evened out (things_even.c). The rest is filled with patches
+ * of it, from coarse to fine: every patch that touches the hole looks for its nearest in
+ * the ground (PatchMatch: neighbours hand on what they have found, random looks around it),
+ * then each pixel of the hole becomes the mean of what the patches over it propose, the
+ * better ones counting more; twice as fine, the same places are the start. Joints are
+ * narrower than patches: a patch serves where most of it is ground, and proposes only what
+ * is. Levels on which there is too little ground are left out; where there is too little
+ * on all, the hole is filled smoothly from the ground around it, with grain as strong as
+ * the ground's.
  * @source Wexler, Shechtman, Irani, PAMI 2007; Barnes et al., PatchMatch, SIGGRAPH 2009 */
 #include "analysis/things_plate.h"
 
 #include <string.h>
 
-#include "analysis/things_mask.h"
+#include "analysis/things_even.h"
 #include "base/rng.h"
 
-enum { LEVELS = 6, R = 2, SIDE = 2 * R + 1, CHANNELS = 3, FEW = 400, COARSEST = 24 };
-
-#define RIM 8 /* depth, 3 a px, up to which ground along things is not trusted */
+enum {
+    LEVELS = 6,
+    R = 2,
+    SIDE = 2 * R + 1,
+    CHANNELS = TZ_THINGS_EVEN_CHANNELS,
+    FEW = 300,
+    COARSEST = 24,
+    MOSTLY = 15 /* px of a patch that are ground */
+};
 
 typedef struct level {
     int32_t w, h;
     float *v;       /* w * h * CHANNELS */
-    uint8_t *known; /* w * h: 1 = kept, 2 = and good to fill the rest with */
-    uint8_t *whole; /* w * h: all of the patch about it is known */
+    uint8_t *known; /* w * h: kept, and good to fill the rest with */
+    uint8_t *whole; /* w * h: most of the patch about it is known */
     int32_t *from;  /* w * h: centre of the patch that it shows, -1 = not looked for */
     float *error;   /* w * h: of that patch */
     TZ_ARRAY(int32_t)
-    source; /* centres of whole patches */
+    source; /* centres of such patches */
 } level;
 
 typedef struct plate {
@@ -63,7 +70,7 @@ static void close_levels(plate *f)
     }
 }
 
-/* Half the size: means, known as the least known of the four. */
+/* Half the size: means of what is known, if half of it is. */
 static tz_status halve(plate *f)
 {
     const int32_t w = f->at[f->n - 1].w / 2, h = f->at[f->n - 1].h / 2;
@@ -74,39 +81,39 @@ static tz_status halve(plate *f)
         for (int32_t x = 0; x < w; x++) {
             const ptrdiff_t to = (ptrdiff_t)y * w + x;
             float sum[CHANNELS] = {0};
-            int32_t known = 2;
+            int32_t known = 0;
             for (int k = 0; k < 4; k++) {
                 const ptrdiff_t p = (ptrdiff_t)(2 * y + k / 2) * fine->w + 2 * x + k % 2;
-                known = fine->known[p] < known ? fine->known[p] : known;
-                for (int c = 0; c < CHANNELS; c++)
+                known += fine->known[p];
+                for (int c = 0; c < CHANNELS && fine->known[p]; c++)
                     sum[c] += fine->v[p * CHANNELS + c];
             }
-            l->known[to] = (uint8_t)known;
-            for (int c = 0; c < CHANNELS; c++)
-                l->v[to * CHANNELS + c] = 0.25F * sum[c];
+            l->known[to] = known >= 2;
+            for (int c = 0; c < CHANNELS && known > 0; c++)
+                l->v[to * CHANNELS + c] = sum[c] / (float)known;
         }
     return s;
 }
 
-/* Centres of patches that are known as a whole. */
+/* Centres of patches, known themselves, most of which is known. */
 static tz_status find_sources(plate *f, level *l)
 {
-    const size_t n = (size_t)l->w * (size_t)l->h;
-    tz_status s = tz_alloc_zero(f->ctx, &l->whole, n, 1);
-    for (int32_t y = R; y + R < l->h && s == TZ_OK; y++)
-        for (int32_t x = R, run = 0; x + R < l->w && s == TZ_OK; x++) {
-            /* columns that are known over the patch's height, up to its right side */
-            for (int32_t k = x == R ? 0 : x + R; k <= x + R; k++) {
-                bool column = true;
-                for (int32_t d = -R; d <= R; d++)
-                    column = column && l->known[(ptrdiff_t)(y + d) * l->w + k] == 2;
-                run = column ? run + 1 : 0;
-            }
-            if (run < SIDE)
+    tz_status s = tz_alloc_zero(f->ctx, &l->whole, (size_t)l->w * (size_t)l->h, 1);
+    for (int32_t y = R; y + R < l->h && s == TZ_OK; y++) {
+        int32_t column[SIDE] = {0}, sum = 0;
+        for (int32_t x = 0; x < l->w && s == TZ_OK; x++) {
+            int32_t known = 0; /* in the column at x, which replaces the leftmost */
+            for (int32_t d = -R; d <= R; d++)
+                known += l->known[(ptrdiff_t)(y + d) * l->w + x];
+            sum += known - column[x % SIDE];
+            column[x % SIDE] = known;
+            const ptrdiff_t p = (ptrdiff_t)y * l->w + x - R;
+            if (x < SIDE - 1 || sum < MOSTLY || !l->known[p])
                 continue;
-            l->whole[(ptrdiff_t)y * l->w + x] = 1;
-            s = tz_array_push(f->ctx, &l->source, y * l->w + x);
+            l->whole[p] = 1;
+            s = tz_array_push(f->ctx, &l->source, (int32_t)p);
         }
+    }
     return s;
 }
 
@@ -136,7 +143,7 @@ static tz_status fill_smoothly(tz_ctx *ctx, level *l)
             for (int32_t x = 0; x < w; x++) {
                 const ptrdiff_t from = (ptrdiff_t)y * w + x;
                 const ptrdiff_t to = i ? (ptrdiff_t)(y / 2) * q->w + x / 2 : from;
-                if (i == 0 && l->known[from] == 2) {
+                if (i == 0 && l->known[from]) {
                     for (int c = 0; c < CHANNELS; c++)
                         q->v[to * C + c] = l->v[from * CHANNELS + c];
                     q->v[to * C + CHANNELS] = 1;
@@ -193,7 +200,7 @@ static void add_grain(level *l)
     double square = 0;
     int64_t n = 0;
     for (ptrdiff_t p = 1; p < (ptrdiff_t)l->w * l->h; p++)
-        if (l->known[p] == 2 && l->known[p - 1] == 2 && p % l->w) {
+        if (l->known[p] && l->known[p - 1] && p % l->w) {
             const double d = l->v[p * CHANNELS + 1] - l->v[(p - 1) * CHANNELS + 1];
             square += d * d;
             n++;
@@ -303,6 +310,8 @@ static tz_status vote(tz_ctx *ctx, level *l)
                     if (cx < 0 || cy < 0 || cx >= l->w || cy >= l->h || l->from[c] < 0)
                         continue;
                     const ptrdiff_t q = l->from[c] - (ptrdiff_t)dy * l->w - dx;
+                    if (!l->known[q])
+                        continue;
                     const float e = l->error[c] + 1e-3F, k = 1 / (e * e);
                     weight += k;
                     for (int i = 0; i < CHANNELS; i++)
@@ -407,38 +416,13 @@ static void take_darkest(level *l)
             const float g = l->v[p * CHANNELS + 1];
             const int32_t k = (int32_t)(255 * (g > 0 ? (g < 1 ? g : 1) : 0));
             if (pass)
-                l->known[p] = k <= least ? 2 : 0;
+                l->known[p] = k <= least;
             else
                 dark[k]++;
         }
         for (int64_t below = dark[0]; !pass && below < n / 50 + 1;)
             below += dark[++least];
     }
-}
-
-/* Ground away from things; where there is little, nearer to them. What is doubtful is good
- * where nothing else is. */
-static tz_status find_known(plate *f, const int32_t *label, const uint8_t *doubtful)
-{
-    level *l = &f->at[0];
-    const ptrdiff_t n = (ptrdiff_t)l->w * l->h;
-    int16_t *depth = NULL;
-    int64_t good = 0, count = 0;
-    tz_status s = tz_things_depth_map(f->ctx, label, l->w, l->h, &depth);
-    for (int32_t rim = RIM; rim >= 2 && good < n / 500 && s == TZ_OK; rim -= 3) {
-        good = count = 0;
-        for (ptrdiff_t p = 0; p < n; p++) {
-            l->known[p] = label[p] >= 0 || depth[p] <= rim ? 0 : doubtful[p] ? 1 : 2;
-            count += l->known[p] > 0;
-            good += l->known[p] == 2;
-        }
-    }
-    for (ptrdiff_t p = 0; p < n && good < n / 2000 && s == TZ_OK; p++)
-        l->known[p] = l->known[p] ? 2 : 0;
-    tz_free(f->ctx, depth);
-    if (s == TZ_OK && count == 0)
-        take_darkest(l);
-    return s;
 }
 
 static void take_photo(level *l, const tz_image *photo)
@@ -473,27 +457,36 @@ static tz_status fill(plate *f)
     return s;
 }
 
-tz_status tz_things_plate(tz_ctx *ctx, const tz_image *photo, const int32_t *label,
-                          const uint8_t *doubtful, tz_image *out)
+tz_status tz_things_plate(tz_ctx *ctx, const tz_image *photo,
+                          const tz_things_ground *ground, tz_image *out)
 {
     plate f = {.ctx = ctx};
+    const int32_t w = photo->width, h = photo->height;
     const int32_t channels = photo->channels >= 3 ? 3 : 1;
-    tz_status s = tz_image_init(ctx, out, photo->width, photo->height, channels);
+    const int32_t cell = ground->size > 8 ? (int32_t)fmin(ground->size, 512) : 8;
+    tz_status s = tz_image_init(ctx, out, w, h, channels);
     if (s == TZ_OK)
-        s = open_level(&f, photo->width, photo->height);
+        s = open_level(&f, w, h);
     if (s == TZ_OK) {
         out->encoding = photo->encoding;
         out->depth = photo->depth;
         take_photo(&f.at[0], photo);
-        s = find_known(&f, label, doubtful);
+        memcpy(f.at[0].known, ground->sure, (size_t)w * (size_t)h);
+        if (!(ground->share > 0))
+            take_darkest(&f.at[0]);
+        s = tz_things_even(ctx, f.at[0].v, f.at[0].known, w, h, cell);
     }
     if (s == TZ_OK)
         s = fill(&f);
-    for (int32_t y = 0; y < photo->height && s == TZ_OK; y++)
-        for (int32_t x = 0; x < photo->width; x++)
+    if (s == TZ_OK) { /* patches gather in islands of like colours */
+        memset(f.at[0].known, 1, (size_t)w * (size_t)h);
+        s = tz_things_even(ctx, f.at[0].v, f.at[0].known, w, h, (cell + 1) / 2);
+    }
+    for (int32_t y = 0; y < h && s == TZ_OK; y++)
+        for (int32_t x = 0; x < w; x++)
             for (int c = 0; c < channels; c++)
                 tz_image_at(out, x, y)[c] =
-                    f.at[0].v[((ptrdiff_t)y * photo->width + x) * CHANNELS + c];
+                    f.at[0].v[((ptrdiff_t)y * w + x) * CHANNELS + c];
     close_levels(&f);
     if (s != TZ_OK)
         tz_image_deinit(out);

@@ -4,13 +4,11 @@
 #ifndef TZ_ANALYSIS_THINGS_PLATE_H
 #define TZ_ANALYSIS_THINGS_PLATE_H
 
-#include "base/image.h"
+#include "analysis/things_ground.h"
 
-/** @param label       width * height, below 0 = ground
- *  @param doubtful    width * height, 1 = ground that may be a thing that was missed: it is
- *                     kept, but nothing else is filled with it
- *  @param[out] plate  overwritten; empty on error; as the photo, 1 or 3 channels */
-tz_status tz_things_plate(tz_ctx *ctx, const tz_image *photo, const int32_t *label,
-                          const uint8_t *doubtful, tz_image *plate);
+/** @param[out] plate  overwritten; empty on error; as the photo, 1 or 3 channels: what is
+ *                     surely ground, evened out, and the same stuff everywhere else */
+tz_status tz_things_plate(tz_ctx *ctx, const tz_image *photo,
+                          const tz_things_ground *ground, tz_image *plate);
 
 #endif
