@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Curve textures: paths of straight and cubic pieces, joined where they share nodes and
+ * merely crossing elsewhere, together with discrete elements. One struct serves as exemplar
+ * and as output. Lengths are user units of the document, y down.
+ * @source [Tu20] Sec. 3, 4.1. Deviates: pieces are cubic, which hold the paper's linear and
+ *   quadratic ones exactly; every path has a pen, of which the paper says nothing */
+#ifndef TZ_CURVES_CURVE_H
+#define TZ_CURVES_CURVE_H
+
+#include "elements/element.h"
+
+/** How a path is stroked. All bytes count: compared with memcmp, so zero it first. */
+typedef struct tz_curve_pen {
+    double width;       /**< > 0 */
+    uint32_t color;     /**< 0xrrggbbaa */
+    uint32_t cap, join; /**< butt, round, square; miter, round, bevel */
+    uint32_t pad;
+} tz_curve_pen;
+
+/** Cubic from node to node. A straight one has its control points at the thirds. */
+typedef struct tz_curve_piece {
+    int32_t from, to; /**< tz_curve_set.node */
+    tz_vec2 a, b;     /**< control points */
+    bool straight;
+} tz_curve_piece;
+
+/** Pieces one behind another: each begins at the node where the one before it ends. */
+typedef struct tz_curve_path {
+    int32_t piece, pieces; /**< set.piece[piece .. piece + pieces - 1], pieces > 0 */
+    int32_t pen;           /**< tz_curve_set.pen */
+    bool closed;           /**< the last ends where the first begins */
+} tz_curve_path;
+
+typedef struct tz_curve_set {
+    tz_domain domain;
+    TZ_ARRAY(tz_vec2)
+    node; /**< each is an end of some piece */
+    TZ_ARRAY(tz_curve_piece)
+    piece; /**< in order of their paths, none left over */
+    TZ_ARRAY(tz_curve_path)
+    path; /**< in drawing order */
+    TZ_ARRAY(tz_curve_pen)
+    pen;
+    tz_element_set element; /**< discrete elements, above all paths; may hold none */
+    uint32_t background;    /**< 0xrrggbbaa, aa = 0: none */
+    char *recipe;           /**< JSON text of how it was made, owned; NULL = none */
+    tz_ctx *ctx;
+} tz_curve_set;
+
+TZ_API void tz_curve_set_deinit(tz_curve_set *s); /**< takes zeroed */
+/** Domain, pens and background of `from`, no paths and no elements.
+ * @param domain   NULL = that of `from`
+ * @param[out] to  overwritten, not freed; zeroed on error
+ * @return TZ_OK; TZ_NOMEM */
+TZ_API tz_status tz_curve_set_like(tz_ctx *ctx, const tz_curve_set *from,
+                                   const tz_domain *domain, tz_curve_set *to);
+/** Checks what algorithms rely on: finite numbers, indices in range, pieces that follow
+ * each other, control points of straight pieces at the thirds, no node without a piece,
+ * and the elements.
+ * @return TZ_OK; TZ_INVALID (names the path) */
+TZ_API tz_status tz_curve_set_check(tz_ctx *ctx, const tz_curve_set *s, const char *name);
+
+/* ---- building -------------------------------------------------------------------- */
+
+TZ_API tz_status tz_curve_add_node(tz_curve_set *s, tz_vec2 at, int32_t *id);
+/** Index of that pen; a new one if there is none. */
+TZ_API tz_status tz_curve_add_pen(tz_curve_set *s, tz_curve_pen pen, int32_t *id);
+/** Opens an empty path, which pieces are then appended to. */
+TZ_API tz_status tz_curve_begin(tz_curve_set *s, int32_t pen);
+TZ_API tz_status tz_curve_line(tz_curve_set *s, int32_t from, int32_t to);
+TZ_API tz_status tz_curve_cubic(tz_curve_set *s, int32_t from, int32_t to, tz_vec2 a,
+                                tz_vec2 b);
+/** Ends the path: closed if it is to be and returns to its first node; one without pieces
+ * goes away. */
+TZ_API void tz_curve_end(tz_curve_set *s, bool closed);
+
+/* ---- geometry of one piece ------------------------------------------------------- */
+
+/** A piece as four points, the nodes looked up. */
+typedef struct tz_bezier {
+    tz_vec2 p[4];
+} tz_bezier;
+
+static inline tz_bezier tz_curve_bezier(const tz_curve_set *s, const tz_curve_piece *p)
+{
+    return (tz_bezier){{s->node.v[p->from], p->a, p->b, s->node.v[p->to]}};
+}
+/** The line from p to q, control points at the thirds. */
+TZ_API tz_bezier tz_bezier_line(tz_vec2 p, tz_vec2 q);
+TZ_API tz_vec2 tz_bezier_at(const tz_bezier *c, double t);
+/** Derivative by t. */
+TZ_API tz_vec2 tz_bezier_slope(const tz_bezier *c, double t);
+/** The part from t0 to t1 (0 <= t0 <= t1 <= 1). */
+TZ_API tz_bezier tz_bezier_part(const tz_bezier *c, double t0, double t1);
+/** How many equal steps of t keep chords within `tolerance` of the curve: 1 .. 256.
+ * @source Wang 1984: n >= sqrt(d (d - 1) / 8 M / tolerance), M the largest of the second
+ *   differences */
+TZ_API int32_t tz_bezier_steps(const tz_bezier *c, double tolerance);
+/** Length to about 1e-6 of itself for curves without cusps (Gauss-Legendre, 4 parts). */
+TZ_API double tz_bezier_length(const tz_bezier *c);
+
+#endif

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Reading documents of ours to the bit. As soon as something is not as it was written (a
+ * transform, a path without nodes, a node in two places) the document counts as changed
+ * and is left to the reader of drawings. */
+#include "curves/curve_own_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEEPEST = 256 };
+
+typedef struct own {
+    tz_element_reader *r;
+    tz_curve_set *set;
+    bool changed;
+    size_t most; /* nodes that the text has room for */
+    TZ_ARRAY(bool)
+    known; /* nodes that have a place */
+    tz_numbers number;
+} own;
+
+/* "rrggbbaa" */
+static bool hex(const char *text, uint32_t *out)
+{
+    uint32_t v = 0;
+    int n = 0;
+    for (; text && text[n] && n < 8; n++) {
+        const char c = text[n];
+        const int d = c >= '0' && c <= '9'   ? c - '0'
+                      : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                                             : -1;
+        if (d < 0)
+            return false;
+        v = v << 4 | (uint32_t)d;
+    }
+    *out = v;
+    return n == 8 && (text[8] == 0 || text[8] == ' ');
+}
+
+static tz_status read_pens(own *o, tz_svg_node list)
+{
+    tz_status s = TZ_OK;
+    for (tz_svg_node n = tz_svg_child(list); n && s == TZ_OK; n = tz_svg_next(n)) {
+        const char *text = tz_svg_attr(n, "tz:pen"), *end;
+        tz_curve_pen pen = {0};
+        if (!text || !tz_number_parse(text, &end, &pen.width) || *end != ' ' ||
+            !hex(end + 1, &pen.color) || strlen(end) != 13 || end[10] < '0' ||
+            end[10] > '2' || end[12] < '0' || end[12] > '2') {
+            o->changed = true;
+            return TZ_OK;
+        }
+        pen.cap = (uint32_t)(end[10] - '0');
+        pen.join = (uint32_t)(end[12] - '0');
+        s = tz_array_push(o->r->ctx, &o->set->pen, pen);
+    }
+    return s;
+}
+
+/* ---- paths ------------------------------------------------------------------------- */
+
+static bool integer(double v, double most)
+{
+    return v >= 0 && v <= most && v == floor(v);
+}
+
+/* The node of that number at that place; a change if it is elsewhere already. */
+static tz_status meet(own *o, int32_t k, tz_vec2 at, int32_t *node)
+{
+    tz_status s = TZ_OK;
+    *node = 0;
+    if (k >= o->number.n || !integer(o->number.v[k], (double)o->most)) {
+        o->changed = true;
+        return TZ_OK;
+    }
+    *node = (int32_t)o->number.v[k];
+    while (o->known.n <= *node && s == TZ_OK) {
+        s = tz_array_push(o->r->ctx, &o->known, false);
+        if (s == TZ_OK)
+            s = tz_array_push(o->r->ctx, &o->set->node, ((tz_vec2){0, 0}));
+    }
+    if (s != TZ_OK)
+        return s;
+    tz_vec2 *p = &o->set->node.v[*node];
+    if (!o->known.v[*node])
+        *p = at;
+    else if (p->x != at.x || p->y != at.y)
+        o->changed = true;
+    o->known.v[*node] = true;
+    return TZ_OK;
+}
+
+static tz_status add_pieces(own *o, const tz_svg_path *d)
+{
+    const tz_vec2 *v = d->point.v;
+    int32_t at = -1, node, k = 0;
+    bool closed = false;
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < d->verb.n && s == TZ_OK && !o->changed; i++) {
+        const uint8_t verb = d->verb.v[i];
+        const bool cubic = verb == TZ_PATH_CUBIC;
+        if (verb == TZ_PATH_CLOSE || (verb == TZ_PATH_MOVE) != (i == 0)) {
+            closed = i > 0 && i == d->verb.n - 1 && verb == TZ_PATH_CLOSE;
+            o->changed = !closed;
+            break;
+        }
+        s = meet(o, k++, v[cubic ? 2 : 0], &node);
+        if (s == TZ_OK && i > 0 && !o->changed)
+            s = cubic ? tz_curve_cubic(o->set, at, node, v[0], v[1])
+                      : tz_curve_line(o->set, at, node);
+        at = node;
+        v += cubic ? 3 : 1;
+    }
+    o->changed = o->changed || k != o->number.n || k < 2;
+    if (s == TZ_OK)
+        tz_curve_end(o->set, closed);
+    return s;
+}
+
+/* The pen that the path's own style says. */
+static tz_status find_pen(own *o, tz_svg_node n, const tz_style *style, int32_t *pen)
+{
+    const tz_look look = tz_style_look(style);
+    const char *text = tz_svg_attr(n, "tz:pen");
+    double v;
+    if (!tz_svg_number(text, &v) || !integer(v, o->set->pen.n - 1)) {
+        o->changed = true;
+        return TZ_OK;
+    }
+    *pen = (int32_t)v;
+    const tz_curve_pen *p = &o->set->pen.v[*pen];
+    /* a line that does not show has no look */
+    if ((p->color & 255) &&
+        (p->width != look.width || p->color != look.stroke || p->cap != look.cap ||
+         p->join != look.join || (look.fill & 255) || !style->visible))
+        o->changed = true;
+    return TZ_OK;
+}
+
+static tz_status read_path(own *o, tz_svg_node n, const tz_style *style)
+{
+    const char *nodes = tz_svg_attr(n, "tz:nodes"), *d = tz_svg_attr(n, "d");
+    tz_svg_path path = {0};
+    int32_t pen = 0;
+    if (!nodes || !d) {
+        o->changed = true;
+        return TZ_OK;
+    }
+    o->number.n = 0;
+    tz_status s = find_pen(o, n, style, &pen);
+    if (s != TZ_OK || o->changed)
+        return s;
+    s = tz_svg_numbers(NULL, nodes, &o->number);
+    if (s == TZ_OK)
+        s = tz_svg_path_parse(NULL, d, &path);
+    if (s == TZ_OK)
+        s = tz_curve_begin(o->set, pen);
+    if (s == TZ_OK)
+        s = add_pieces(o, &path);
+    tz_svg_path_deinit(NULL, &path);
+    if (s == TZ_FORMAT || s == TZ_INVALID)
+        return tz_fail(o->r->ctx, TZ_FORMAT, "%s:%d: the path cannot be read; correct it",
+                       o->r->name, tz_svg_line(n));
+    return s == TZ_OK ? s : tz_fail(o->r->ctx, s, "%s: out of memory", o->r->name);
+}
+
+static tz_status read_nodes(own *o, tz_svg_node n, const tz_style *up, int depth)
+{
+    tz_status s = TZ_OK;
+    for (tz_svg_node c = tz_svg_child(n); c && s == TZ_OK && !o->changed;
+         c = tz_svg_next(c)) {
+        tz_style style;
+        const bool group = tz_svg_is(c, "g"), path = tz_svg_is(c, "path");
+        if (tz_svg_attr(c, "tz:copy") || tz_svg_is(c, "defs") ||
+            tz_svg_is(c, "metadata") || tz_svg_is(c, "title"))
+            continue;
+        if (tz_svg_attr(c, "transform") || (!group && !path) || depth > DEEPEST) {
+            o->changed = true;
+            return TZ_OK;
+        }
+        s = tz_style_at(o->r, c, up, &style);
+        if (s != TZ_OK || !style.shown) {
+            o->changed = true;
+            return s;
+        }
+        s = path ? read_path(o, c, &style) : read_nodes(o, c, &style, depth + 1);
+    }
+    return s;
+}
+
+/* How many numbers all tz:nodes can hold. */
+static size_t room(tz_svg_node n, int depth)
+{
+    const char *nodes = tz_svg_attr(n, "tz:nodes");
+    size_t sum = nodes ? strlen(nodes) / 2 + 1 : 0;
+    for (tz_svg_node c = tz_svg_child(n); c && depth < DEEPEST; c = tz_svg_next(c))
+        sum += room(c, depth + 1);
+    return sum;
+}
+
+/* ---- the document ------------------------------------------------------------------ */
+
+static tz_status read_root(own *o)
+{
+    tz_svg_node root = tz_svg_root(o->r->doc);
+    const char *size = tz_svg_attr(root, "tz:size"),
+               *torus = tz_svg_attr(root, "tz:torus");
+    const tz_svg_node recipe = tz_svg_by_id(o->r->doc, "tz-recipe");
+    const tz_status s = size ? tz_svg_numbers(NULL, size, &o->number) : TZ_INVALID;
+    if (s == TZ_NOMEM)
+        return tz_fail(o->r->ctx, s, "%s: out of memory", o->r->name);
+    if (s != TZ_OK || o->number.n != 3 || !(o->number.v[0] > 0) ||
+        !(o->number.v[1] > 0)) {
+        o->changed = true;
+        return TZ_OK;
+    }
+    o->set->domain = (tz_domain){.size = {o->number.v[0], o->number.v[1], o->number.v[2]},
+                                 .torus = torus && strcmp(torus, "1") == 0};
+    o->changed = !hex(tz_svg_attr(root, "tz:background"), &o->set->background);
+    if (!o->changed && recipe)
+        return tz_strdup(o->r->ctx, tz_svg_text(o->r->doc, recipe), &o->set->recipe);
+    return TZ_OK;
+}
+
+tz_status tz_curve_read_own(tz_element_reader *r, tz_curve_set *out, bool *own_document)
+{
+    const tz_svg_node root = tz_svg_root(r->doc), pens = tz_svg_by_id(r->doc, "tz-pens");
+    tz_curve_set set = {.ctx = r->ctx, .element = {.ctx = r->ctx}};
+    own o = {.r = r, .set = &set, .most = room(root, 0)};
+    const tz_style initial = tz_style_initial();
+    tz_style style;
+    tz_status s = tz_style_load(r);
+    if (s == TZ_OK)
+        s = read_root(&o);
+    if (s == TZ_OK && pens && !o.changed)
+        s = read_pens(&o, pens);
+    if (s == TZ_OK)
+        s = tz_style_at(r, root, &initial, &style);
+    if (s == TZ_OK && !o.changed)
+        s = read_nodes(&o, root, &style, 0);
+    for (int32_t i = 0; i < o.known.n && s == TZ_OK; i++)
+        o.changed = o.changed || !o.known.v[i];
+    tz_array_free(r->ctx, &o.known);
+    tz_array_free(NULL, &o.number);
+    *own_document = s == TZ_OK && !o.changed;
+    if (*own_document) {
+        *out = set;
+        return TZ_OK;
+    }
+    tz_curve_set_deinit(&set);
+    tz_array_free(r->ctx, &r->rule); /* the style is loaded again */
+    tz_free(r->ctx, r->css);
+    r->css = NULL;
+    return s;
+}
