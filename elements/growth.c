@@ -207,15 +207,30 @@ static void match_given(tz_growth *g, int32_t i)
     }
 }
 
+/* Extents of symbols, and which are discs. */
+static tz_status find_extents(tz_growth *g, const tz_element_set *set)
+{
+    tz_status s = tz_extents_init(g->ctx, set, &g->extents);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &g->disc, (size_t)set->symbol.n + 1, sizeof *g->disc);
+    for (int32_t i = 0; s == TZ_OK && i < set->symbol.n; i++) {
+        g->disc[i] = true;
+        for (int32_t k = 0; k < TZ_EXTENT_DIRECTIONS; k++)
+            g->disc[i] = g->disc[i] && g->extents.v[i].r[k] >= 1;
+    }
+    return s;
+}
+
 static tz_status prepare_textures(tz_growth *g, const tz_element_set *set,
                                   const tz_growth_texture *texture)
 {
-    tz_status s = tz_extents_init(g->ctx, set, &g->extents);
+    tz_status s = find_extents(g, set);
     g->spacing = INFINITY;
     for (int32_t t = 0; t < g->textures && s == TZ_OK; t++) {
         tz_growth_exemplar *ex = &g->ex[t];
         ex->number = t;
         ex->extents = &g->extents;
+        ex->disc = g->disc;
         if (texture[t].zone < 0 ||
             (texture[t].zone > 0 &&
              (!g->out->domain.zones || texture[t].zone > g->out->domain.zones->zones)))
@@ -330,6 +345,7 @@ void tz_growth_end(tz_growth *g)
         tz_growth_exemplar_deinit(g->ctx, &g->ex[t]);
     tz_growth_cover_deinit(g);
     tz_extents_deinit(&g->extents);
+    tz_free(g->ctx, g->disc);
     tz_free(g->ctx, g->ex);
     tz_array_free(g->ctx, &g->spot);
     tz_free(g->ctx, g->head);
@@ -382,7 +398,7 @@ static tz_status fill(tz_growth *g)
 /* Any unit that may stand there, one whose neighbourhood is known if possible; -1 = none.
  */
 static int32_t draw_unit(const tz_growth *g, int32_t texture, double x, double y,
-                         bool real, tz_rng *r)
+                         tz_rng *r)
 {
     const tz_growth_exemplar *ex = &g->ex[texture];
     const int32_t from = tz_rng_below(r, ex->n);
@@ -390,8 +406,7 @@ static int32_t draw_unit(const tz_growth *g, int32_t texture, double x, double y
     for (int32_t i = 0; i < ex->n; i++) {
         const int32_t k = (from + i) % ex->n;
         const tz_growth_unit *u = &ex->unit[k];
-        if (!u->copied || (real && u->source < 0) ||
-            !tz_growth_may_stand(g, texture, u, x, y))
+        if (!u->copied || !tz_growth_may_stand(g, texture, u, x, y))
             continue;
         if (u->whole)
             return k;
@@ -411,7 +426,7 @@ static tz_status start_at(tz_growth *g, int32_t texture, double x, double y, boo
     float least = INFINITY;
     tz_growth_look(g, x, y, fmax(g->wide, ex->spacing), -1, &view);
     for (int32_t k = 0; k < STARTS; k++) {
-        const int32_t unit = draw_unit(g, texture, x, y, g->phase == CLOSE, &r);
+        const int32_t unit = draw_unit(g, texture, x, y, &r);
         uint64_t used;
         if (unit < 0 || (!forced && !tz_growth_fits_elements(ex, &ex->unit[unit], &view)))
             continue;
@@ -440,8 +455,7 @@ double tz_growth_gap(const tz_growth *g, double x, double y, double most)
     return most;
 }
 
-/* The texture that grows at a place; of several by lot, -1 = none. */
-static int32_t texture_at(const tz_growth *g, double x, double y)
+int32_t tz_growth_texture_at(const tz_growth *g, double x, double y)
 {
     tz_rng r = tz_rng_make(g->params.seed, tz_rng_stream('t', (uint64_t)g->spot.n, 0));
     const int32_t from = tz_rng_below(&r, g->textures);
@@ -461,7 +475,7 @@ static tz_status start(tz_growth *g)
     tz_status s = TZ_OK;
     double x, y;
     while (s == TZ_OK && !started && tz_growth_next_open(g, &g->started, &x, &y)) {
-        const int32_t t = texture_at(g, x, y);
+        const int32_t t = tz_growth_texture_at(g, x, y);
         if (t < 0) {
             tz_growth_decide_place(g, 0, x, y, 0);
             continue;
@@ -485,7 +499,7 @@ static tz_status start(tz_growth *g)
     if (!started && s == TZ_OK) { /* scraps behind those that have started: empty */
         int64_t from = 0;
         while (tz_growth_next_open(g, &from, &x, &y)) {
-            const int32_t t = texture_at(g, x, y);
+            const int32_t t = tz_growth_texture_at(g, x, y);
             tz_growth_decide_place(g, t < 0 ? 0 : t, x, y, start_step * g->spacing);
         }
     }
@@ -496,24 +510,8 @@ static tz_status start(tz_growth *g)
 /* Holes wider than the exemplar's widest, wherever they are. */
 static tz_status close_holes(tz_growth *g)
 {
-    const tz_vec2 size = tz_vec2_sub(g->box_hi, g->box_lo);
-    const double step = start_step * g->spacing;
-    const int32_t nx = (int32_t)fmin(16384, fmax(1, ceil(size.x / step)));
-    const int32_t ny = (int32_t)fmin(16384, fmax(1, ceil(size.y / step)));
-    bool started = false;
-    tz_status s = TZ_OK;
-    while (s == TZ_OK && !started && g->closed < nx * ny) {
-        const int32_t i = g->closed++;
-        const double x = g->box_lo.x + (i % nx + 0.5) * size.x / nx;
-        const double y = g->box_lo.y + ((double)(i / nx) + 0.5) * size.y / ny;
-        const int32_t t = texture_at(g, x, y);
-        if (t < 0)
-            continue;
-        const double hole = start_gap * g->ex[t].hole;
-        if (tz_domain_depth(&g->out->domain, (tz_vec3){x, y, 0}) >= hole &&
-            tz_growth_gap(g, x, y, hole) >= hole)
-            s = start_at(g, t, x, y, false, &started);
-    }
+    bool started;
+    const tz_status s = tz_growth_close_holes(g, &started);
     g->phase = started ? GROW : MEND;
     return s;
 }

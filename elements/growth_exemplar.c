@@ -208,14 +208,8 @@ static tz_vec2 raster_at(const raster *r, int32_t place)
                      r->lo.y + ((double)(place / r->nx) + 0.5) * r->step.y};
 }
 
-static double depth_of(const tz_growth_exemplar *ex, tz_vec2 p)
-{
-    return ex->torus ? INFINITY
-                     : fmin(fmin(p.x, ex->size.x - p.x), fmin(p.y, ex->size.y - p.y));
-}
-
-/* Places wider than the gap, widest first; and the widest hole between circles. */
-static tz_status list_gaps(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c,
+/* Places wider than the gap, widest first. */
+static tz_status list_gaps(tz_ctx *ctx, const tz_growth_exemplar *ex, const cloud *c,
                            const raster *r, gap **list, int32_t *n)
 {
     const tz_status s = tz_alloc(ctx, list, (size_t)r->nx * (size_t)r->ny, sizeof **list);
@@ -223,15 +217,13 @@ static tz_status list_gaps(tz_ctx *ctx, tz_growth_exemplar *ex, const cloud *c,
     for (int32_t i = 0; s == TZ_OK && i < r->nx * r->ny; i++) {
         const tz_vec2 p = raster_at(r, i);
         int32_t id[NEIGHBOURS];
-        float d2[NEIGHBOURS], width = INFINITY, hole = INFINITY;
+        float d2[NEIGHBOURS], width = INFINITY;
         const int32_t found = nearest(c, p.x, p.y, NEIGHBOURS, id, d2);
         for (int32_t k = 0; k < found; k++) {
             const float radius = ex->unit[c->unit.v[id[k]]].r;
             const float thick = radius - 0.5F * (float)ex->spacing;
             width = fminf(width, sqrtf(d2[k]) - fmaxf(0, thick));
-            hole = fminf(hole, sqrtf(d2[k]) - radius);
         }
-        ex->hole = fmax(ex->hole, fmin(hole, depth_of(ex, p)));
         if (width > void_gap * ex->spacing)
             (*list)[(*n)++] = (gap){width, i};
     }
@@ -416,6 +408,8 @@ static tz_status prepare(tz_ctx *ctx, tz_growth_exemplar *ex, const tz_growth_pa
         s = measure(ctx, ex, &c);
     if (s == TZ_OK)
         s = add_voids(ctx, ex, &c, most);
+    if (s == TZ_OK)
+        s = tz_growth_find_hole(ctx, ex);
     if (s == TZ_OK && ex->n > ex->elements) {
         cloud_deinit(ctx, &c);
         s = cloud_init(ctx, ex, margin, &c);
@@ -443,9 +437,11 @@ tz_status tz_growth_exemplar_init(tz_ctx *ctx, const tz_element_set *set,
 {
     const int32_t n = tz_growth_count_units(set, texture), number = ex->number;
     const tz_extents *extents = ex->extents;
+    const bool *disc = ex->disc;
     memset(ex, 0, sizeof *ex);
     ex->number = number;
     ex->extents = extents;
+    ex->disc = disc;
     ex->texture = *texture;
     if (ex->texture.scale == 0)
         ex->texture.scale = 1;

@@ -70,6 +70,7 @@ typedef struct tz_growth_unit {
 typedef struct tz_growth_exemplar {
     const tz_element_set *set;
     const tz_extents *extents; /* of the set's symbols */
+    const bool *disc;          /* which of them are mere discs */
     tz_growth_texture texture;
     int32_t number;      /* of the texture */
     bool symbols;        /* symbols are told apart: each is used more than once */
@@ -83,7 +84,7 @@ typedef struct tz_growth_exemplar {
     tz_vec2 lo, hi; /* box of all centres: what lies beyond is not known */
     double spacing, reach, wide, radius; /* median; the others: largest */
     float ring_mean;                     /* of units' first rings */
-    double hole; /* radius of the widest disc between its elements' circles */
+    double hole; /* radius of the widest disc between its elements */
     int32_t hards, classes;
     float *limit;     /* hards * hards: share of the radii's sum that keeps two apart */
     float *touch;     /* the same of the distance at which they touch: extent.h */
@@ -160,6 +161,7 @@ struct tz_growth {
     double spacing, radius, reach, wide; /* least of all textures; largest */
     tz_element_set *out;
     tz_extents extents; /* of the palette's symbols */
+    bool *disc;
     tz_growth_cover cover;
     TZ_ARRAY(tz_growth_spot)
     spot;
@@ -217,6 +219,8 @@ void tz_growth_rest(tz_growth *g);
 tz_status tz_growth_seed(tz_growth *g, int32_t texture, double x, double y, double gap);
 /** Radius of the disc about a place that touches no element; up to `most`. */
 double tz_growth_gap(const tz_growth *g, double x, double y, double most);
+/** The texture that grows at a place; of several by lot, -1 = none. */
+int32_t tz_growth_texture_at(const tz_growth *g, double x, double y);
 
 /* ---- growth_remove.c ------------------------------------------------------------- */
 
@@ -334,6 +338,13 @@ void tz_growth_enqueue(tz_growth *g, int32_t spot);
 void tz_growth_link(tz_growth *g, int32_t spot);
 void tz_growth_unlink(tz_growth *g, int32_t spot);
 
+/* ---- growth_hole.c --------------------------------------------------------------- */
+
+/** ex->hole. */
+tz_status tz_growth_find_hole(tz_ctx *ctx, tz_growth_exemplar *ex);
+/** Fills or narrows holes until something has been placed or there are none. */
+tz_status tz_growth_close_holes(tz_growth *g, bool *started);
+
 /* ---- growth_use.c ---------------------------------------------------------------- */
 
 /** Alike units of all units. */
@@ -347,6 +358,8 @@ bool tz_growth_is_twin(const tz_growth *g, int32_t texture, int32_t shown);
 
 /* ---- growth_optimise.c ----------------------------------------------------------- */
 
+/** Moves a spot as far as its neighbours let it. */
+void tz_growth_move(tz_growth *g, int32_t spot, double dx, double dy);
 /** Relaxes the spots of the round. */
 void tz_growth_relax(tz_growth *g);
 /** Solves for all positions. */

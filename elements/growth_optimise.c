@@ -149,8 +149,7 @@ static bool may_go(const tz_growth *g, const tz_growth_spot *q, double x, double
             tz_domain_depth(d, p) >= g->params.inside * (double)q->r);
 }
 
-/* Moves a spot as far as its neighbours let it. */
-static void move(tz_growth *g, int32_t spot, double dx, double dy)
+void tz_growth_move(tz_growth *g, int32_t spot, double dx, double dy)
 {
     const tz_growth_spot *q = &g->spot.v[spot];
     const tz_growth_unit *u = &g->ex[q->texture].unit[q->match];
@@ -264,7 +263,7 @@ void tz_growth_relax(tz_growth *g)
     for (int32_t k = 0; k < SWEEPS; k++)
         sweep(g);
     for (int32_t i = 0; i < g->nodes; i++)
-        move(g, g->node[i].spot, g->node[i].x, g->node[i].y);
+        tz_growth_move(g, g->node[i].spot, g->node[i].x, g->node[i].y);
     for (int32_t i = 0; i < g->nodes; i++)
         g->spot.v[g->node[i].spot].node = -1;
 }
@@ -305,7 +304,7 @@ tz_status tz_growth_solve(tz_growth *g)
         s = tz_lsq_solve(lsq, x);
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
         if (g->spot.v[i].match >= 0)
-            move(g, i, x[i], x[n + i]);
+            tz_growth_move(g, i, x[i], x[n + i]);
     tz_lsq_free(lsq);
     tz_free(g->ctx, x);
     return s;
