@@ -90,37 +90,11 @@ static bool has_pieces(const tz_crowd *c)
     return false;
 }
 
-static double by_whole_ones(const tz_crowd *c)
-{
-    tz_counted u;
-    double sum = 0;
-    for (int32_t k = 0; k < c->n; k++) {
-        if (!c->get(c->of, k, &u) || u.element->cut)
-            continue;
-        const tz_vec2 h = half_extent(c, &u);
-        sum += 1 / (fmax(0.25 * c->size.x, c->size.x - 2 * h.x) *
-                    fmax(0.25 * c->size.y, c->size.y - 2 * h.y));
-    }
-    return sum;
-}
-
 /* Weight of a coordinate: 0 up to `from` from either end, 1 from `from + ramp` on. */
 static double taper(double x, double size, double from, double ramp)
 {
     const double d = (fmin(x, size - x) - from) / ramp;
     return d <= 0 ? 0 : d >= 1 ? 1 : 0.5 - 0.5 * cos(TZ_PI * d);
-}
-
-static double by_window(const tz_crowd *c, tz_vec2 from, double ramp)
-{
-    tz_counted u;
-    double sum = 0;
-    for (int32_t k = 0; k < c->n; k++) {
-        if (c->get(c->of, k, &u))
-            sum += taper(u.at.x, c->size.x, from.x, ramp) *
-                   taper(u.at.y, c->size.y, from.y, ramp);
-    }
-    return sum / ((c->size.x - 2 * from.x - ramp) * (c->size.y - 2 * from.y - ramp));
 }
 
 /* Mean half extent. */
@@ -153,31 +127,58 @@ static bool has_margin(const tz_crowd *c, int32_t n, tz_vec2 rim)
     return margin < due - 2 * sqrt(due);
 }
 
-double tz_crowd_density(const tz_crowd *c, bool repeats)
+tz_counting tz_crowd_counting(const tz_crowd *c, bool repeats)
 {
-    const double area = c->size.x * c->size.y;
     tz_counted u;
-    int32_t n = 0, held = 0;
+    int32_t n = 0, whole = 0;
     for (int32_t k = 0; k < c->n; k++) {
         if (!c->get(c->of, k, &u))
             continue;
         n += in_frame(c->size, u.at);
-        held += tz_crowd_holds(c->size, u.at, u.radius);
+        whole += !u.element->cut;
     }
     if (repeats)
-        return held / area;
+        return (tz_counting){.how = TZ_COUNT_PERIOD};
     if (c->torus || n < FEW)
-        return n / area;
-    if (has_pieces(c)) {
-        const double whole = by_whole_ones(c);
-        return whole > 0 ? whole : n / area;
-    }
+        return (tz_counting){.how = TZ_COUNT_FRAME};
+    if (has_pieces(c))
+        return (tz_counting){.how = whole > 0 ? TZ_COUNT_WHOLE : TZ_COUNT_FRAME};
     const tz_vec2 rim = mean_half(c);
-    const double ramp = 1.5 * sqrt(area / n);
-    return has_margin(c, n, rim) && c->size.x > 2 * (rim.x + ramp) &&
-                   c->size.y > 2 * (rim.y + ramp)
-               ? by_window(c, rim, ramp)
-               : n / area;
+    const double ramp = 1.5 * sqrt(c->size.x * c->size.y / n);
+    const bool window = has_margin(c, n, rim) && c->size.x > 2 * (rim.x + ramp) &&
+                        c->size.y > 2 * (rim.y + ramp);
+    return (tz_counting){window ? TZ_COUNT_WINDOW : TZ_COUNT_FRAME, rim, ramp};
+}
+
+double tz_crowd_weight(const tz_crowd *c, const tz_counting *how, const tz_counted *u)
+{
+    const tz_vec2 size = c->size, rim = how->rim;
+    const double area = size.x * size.y;
+    switch (how->how) {
+    case TZ_COUNT_FRAME: return in_frame(size, u->at) ? 1 / area : 0;
+    case TZ_COUNT_PERIOD: return tz_crowd_holds(size, u->at, u->radius) ? 1 / area : 0;
+    case TZ_COUNT_WHOLE: {
+        const tz_vec2 h = half_extent(c, u);
+        return u->element->cut ? 0
+                               : 1 / (fmax(0.25 * size.x, size.x - 2 * h.x) *
+                                      fmax(0.25 * size.y, size.y - 2 * h.y));
+    }
+    case TZ_COUNT_WINDOW:
+        return taper(u->at.x, size.x, rim.x, how->ramp) *
+               taper(u->at.y, size.y, rim.y, how->ramp) /
+               ((size.x - 2 * rim.x - how->ramp) * (size.y - 2 * rim.y - how->ramp));
+    }
+    return 0;
+}
+
+double tz_crowd_density(const tz_crowd *c, const tz_counting *how)
+{
+    double sum = 0;
+    tz_counted u;
+    for (int32_t k = 0; k < c->n; k++)
+        if (c->get(c->of, k, &u))
+            sum += tz_crowd_weight(c, how, &u);
+    return sum;
 }
 
 /* ---- of sets ------------------------------------------------------------------------- */
@@ -197,20 +198,39 @@ static bool solid_of(const void *of, int32_t k, tz_counted *u)
            !((const tz_element_set *)of)->kind.v[u->element->kind].is_void;
 }
 
+static tz_crowd crowd_of(const tz_element_set *set, bool voids)
+{
+    return (tz_crowd){.set = set,
+                      .scale = 1,
+                      .size = {set->domain.size.x, set->domain.size.y},
+                      .torus = set->domain.torus,
+                      .n = set->element.n,
+                      .get = voids ? any_of : solid_of,
+                      .of = set};
+}
+
 double tz_element_density(const tz_element_set *set, bool voids)
 {
-    const tz_crowd c = {.set = set,
-                        .scale = 1,
-                        .size = {set->domain.size.x, set->domain.size.y},
-                        .torus = set->domain.torus,
-                        .n = set->element.n,
-                        .get = voids ? any_of : solid_of,
-                        .of = set};
+    const tz_crowd c = crowd_of(set, voids);
     tz_counted u;
     int32_t n = 0;
-    if (!set->domain.region)
-        return tz_crowd_density(&c, !c.torus && tz_crowd_repeats(&c));
+    if (!set->domain.region) {
+        const tz_counting how = tz_crowd_counting(&c, !c.torus && tz_crowd_repeats(&c));
+        return tz_crowd_density(&c, &how);
+    }
     for (int32_t k = 0; k < c.n; k++)
         n += c.get(c.of, k, &u);
     return n / tz_domain_area(&set->domain);
+}
+
+void tz_element_weights(const tz_element_set *set, double *weight, bool *period)
+{
+    const tz_crowd c = crowd_of(set, true);
+    const bool repeats = !c.torus && tz_crowd_repeats(&c);
+    const tz_counting how = tz_crowd_counting(&c, repeats);
+    tz_counted u;
+    for (int32_t k = 0; k < c.n; k++)
+        weight[k] = c.get(c.of, k, &u) ? tz_crowd_weight(&c, &how, &u) : 0;
+    if (period)
+        *period = repeats;
 }

@@ -25,6 +25,13 @@
  * @cost O(points of outlines + cut elements * elements) */
 TZ_API double tz_element_density(const tz_element_set *set, bool voids);
 
+/** How many elements by area each stands for: all together the density. A cut piece stands
+ * for none where whole ones are counted.
+ * @param[out] weight  one an element @param[out] period  NULL, or whether what is cut has
+ * a twin that is drawn whole
+ * @cost as tz_element_density */
+TZ_API void tz_element_weights(const tz_element_set *set, double *weight, bool *period);
+
 /** One thing that is counted. */
 typedef struct tz_counted {
     tz_vec2 at; /**< from the frame's corner */
@@ -49,7 +56,16 @@ bool tz_crowd_repeats(const tz_crowd *c);
 /** Whether a thing lies in a frame that repeats: the lower sides are in, the upper ones
  * out. */
 bool tz_crowd_holds(tz_vec2 size, tz_vec2 at, double radius);
-/** Elements by area. @param repeats  as tz_crowd_repeats says */
-double tz_crowd_density(const tz_crowd *c, bool repeats);
+/** How a crowd is counted. */
+typedef struct tz_counting {
+    enum { TZ_COUNT_FRAME, TZ_COUNT_PERIOD, TZ_COUNT_WHOLE, TZ_COUNT_WINDOW } how;
+    tz_vec2 rim; /* of a window */
+    double ramp;
+} tz_counting;
+/** @param repeats  as tz_crowd_repeats says */
+tz_counting tz_crowd_counting(const tz_crowd *c, bool repeats);
+/** How many elements by area one stands for; their sum is the density. */
+double tz_crowd_weight(const tz_crowd *c, const tz_counting *how, const tz_counted *u);
+double tz_crowd_density(const tz_crowd *c, const tz_counting *how);
 
 #endif

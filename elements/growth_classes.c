@@ -87,23 +87,20 @@ static void number_all(tz_growth_exemplar *ex)
     }
 }
 
-/* What lies in the frame; half of what is cut lies beyond it. */
-static bool is_framed(const tz_growth_exemplar *ex, const tz_growth_unit *u)
-{
-    return u->copied ||
-           (u->x >= 0 && u->y >= 0 && u->x < ex->size.x && u->y < ex->size.y);
-}
+/* A class that the exemplar shows at its border only may still be called for. */
+static const float least_weight = 1e-3F;
 
 static void count_all(tz_growth_exemplar *ex)
 {
-    int32_t n = 0;
+    float sum = 0;
     for (int32_t k = 0; k < ex->n; k++)
-        if (ex->unit[k].stand_in >= 0 && is_framed(ex, &ex->unit[k])) {
-            ex->frequency[ex->unit[ex->unit[k].stand_in].class] += 1;
-            n++;
+        if (ex->unit[k].stand_in >= 0) {
+            const float weight = ex->unit[k].source < 0 ? 1 : ex->unit[k].weight;
+            ex->frequency[ex->unit[ex->unit[k].stand_in].class] += weight + least_weight;
+            sum += weight + least_weight;
         }
     for (int32_t c = 0; c < ex->classes; c++)
-        ex->frequency[c] /= (float)n;
+        ex->frequency[c] /= sum;
 }
 
 /* Distance of two over the sum of their radii, or over that at which they touch. */

@@ -45,6 +45,7 @@ typedef struct tz_growth_unit {
     float reach, wide;         /* radius of its neighbourhood, of its first ring */
     float view;                /* its reach, less the radius of any other */
     float sight;               /* the same, or how far its ring's collisions reach */
+    float weight;              /* how many of its like the exemplar's area holds */
     float clear;               /* how far its own do, less the other's radius */
     float half;                /* of the square that its map covers */
     int32_t kind, hard, class; /* kind; class of collision; class of balance */

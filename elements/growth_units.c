@@ -144,7 +144,17 @@ static void count_units(tz_growth_exemplar *ex, bool framed)
                         .get = counted_of,
                         .of = ex};
     const bool repeats = !c.torus && tz_crowd_repeats(&c);
-    ex->density = tz_crowd_density(&c, repeats);
+    const tz_counting how = tz_crowd_counting(&c, repeats);
+    tz_counting shares = how; /* a window would count too few of each class */
+    if (shares.how == TZ_COUNT_WINDOW)
+        shares.how = TZ_COUNT_FRAME;
+    ex->density = tz_crowd_density(&c, &how);
+    for (int32_t k = 0; k < ex->n; k++) {
+        tz_counted u;
+        counted_of(ex, k, &u);
+        ex->unit[k].weight =
+            (float)(tz_crowd_weight(&c, &shares, &u) * ex->size.x * ex->size.y);
+    }
     ex->torus = c.torus || repeats;
     if (!repeats)
         return;

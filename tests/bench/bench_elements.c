@@ -20,6 +20,7 @@
 #include <dirent.h>
 
 #include "elements/element_compare.h"
+#include "elements/element_density.h"
 #include "elements/element_io.h"
 #include "elements/energy.h"
 #include "elements/growth.h"
@@ -112,23 +113,39 @@ static int32_t turn_of(const tz_element *e)
     return (int32_t)(fmod(e->angle / TZ_PI + 4.0 + 1.0 / 16, 1.0) * 8);
 }
 
-/* Half the sum of differences of shares: what part of all has the wrong label. */
-static double shares_off(const tz_element_set *a, const tz_element_set *b, label of)
+/* Whether an element can be copied, or one of its symbol. */
+static bool is_copied(const tz_element_set *s, const tz_element *e)
+{
+    for (int32_t i = 0; i < s->element.n && e->cut; i++)
+        if (!s->element.v[i].cut && s->element.v[i].symbol == e->symbol)
+            return true;
+    return !e->cut;
+}
+
+/* Half the sum of differences of shares: what part of all has the wrong label. The
+ * exemplar's elements weigh what they stand for: large ones are more often cut. */
+static double shares_off(tz_ctx *ctx, const tz_element_set *a, const tz_element_set *b,
+                         label of)
 {
     enum { LABELS = 4096 };
     static double share[LABELS];
-    double sum = 0;
-    int32_t whole = 0;
+    double sum = 0, whole = 0, *weight;
+    bool period;
     memset(share, 0, sizeof share);
+    bench_check(ctx, tz_alloc(ctx, &weight, (size_t)a->element.n, sizeof *weight));
+    tz_element_weights(a, weight, &period);
+    for (int32_t i = 0; i < a->element.n; i++) {
+        if (!period && !is_copied(a, &a->element.v[i]))
+            weight[i] = 0;
+        whole += weight[i];
+    }
     for (int32_t i = 0; i < a->element.n; i++)
-        whole += !a->element.v[i].cut;
-    for (int32_t i = 0; i < a->element.n; i++) /* pieces are never copied */
-        if (!a->element.v[i].cut)
-            share[of(&a->element.v[i]) % LABELS] += 1.0 / whole;
+        share[of(&a->element.v[i]) % LABELS] += weight[i] / whole;
     for (int32_t i = 0; i < b->element.n; i++)
         share[of(&b->element.v[i]) % LABELS] -= 1.0 / b->element.n;
     for (int32_t k = 0; k < LABELS; k++)
         sum += fabs(share[k]) / 2;
+    tz_free(ctx, weight);
     return sum;
 }
 
@@ -158,10 +175,10 @@ static void rate(tz_ctx *ctx, const char *name, const tz_element_set *ex,
            "%4.2f %4.2f %4.2f %4.2f %4.2f %4.2f %4.2f %8.0f\n",
            name, (int)ex->element.n, (int)out.element.n, l.mean, l.density,
            r.placed / r.expected, l.overlaps[1], l.overlaps[0], l.hole[1], l.hole[0],
-           shares_off(ex, &out, kind_of), shares_off(ex, &out, symbol_of),
-           shares_off(ex, &out, turn_of), l.nearest, l.correlation, l.neighbourhood[0],
-           l.neighbourhood[1], l.neighbourhood[2], l.classes, l.orientation,
-           out.element.n / seconds);
+           shares_off(ctx, ex, &out, kind_of), shares_off(ctx, ex, &out, symbol_of),
+           shares_off(ctx, ex, &out, turn_of), l.nearest, l.correlation,
+           l.neighbourhood[0], l.neighbourhood[1], l.neighbourhood[2], l.classes,
+           l.orientation, out.element.n / seconds);
     fflush(stdout);
     if (folder) {
         snprintf(path, sizeof path, "%s/%s.svg", folder, name);
