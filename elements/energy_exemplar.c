@@ -1,18 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Everything about the exemplar that the search asks for again and again: neighbourhoods
- * of all samples and, for each, which others are most alike (the k-coherence sets). */
-#include <assert.h>
+/* Everything about the exemplar that the search asks for again and again: labels,
+ * attributes and neighbourhoods of all samples. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/kdtree.h"
 #include "elements/energy_internal.h"
 
-enum {
-    MOST = TZ_PAIRING_MOST,
-    BRUTE = 256,   /* samples of a label that are all compared with each other */
-    SHORTLIST = 64 /* of larger labels: those of nearest descriptor */
-};
+enum { MOST = TZ_PAIRING_MOST };
 
 double tz_energy_spacing(const tz_element_set *set)
 {
@@ -218,137 +212,6 @@ static tz_status find_neighbours(tz_energy_exemplar *x)
     return s;
 }
 
-/* ---- k-coherence sets ------------------------------------------------------------ */
-
-enum { DESCRIPTOR = 8 };
-
-typedef struct similar_job {
-    tz_energy_exemplar *x;
-    const tz_kdtree *tree; /* of each label; n = 0: compare all */
-    const float *descriptor;
-} similar_job;
-
-/* How much lies in each of eight directions, nearer things more. */
-static void describe(const tz_energy_exemplar *x, int32_t k, float *d)
-{
-    const tz_pairing_side *s = &x->side[k];
-    memset(d, 0, DESCRIPTOR * sizeof *d);
-    for (int32_t j = 0; j < s->n; j++) {
-        if (!tz_energy_within(x, k, j))
-            continue;
-        const double r = hypot((double)s->x[j], (double)s->y[j]) / x->radius;
-        const double turn = atan2((double)s->y[j], (double)s->x[j]) / (2 * TZ_PI) + 1;
-        const double at = turn * DESCRIPTOR, share = at - floor(at);
-        const int32_t bin = (int32_t)floor(at);
-        const double weight = fmax(0, 1 - 0.7 * r);
-        d[bin % DESCRIPTOR] += (float)(weight * (1 - share));
-        d[(bin + 1) % DESCRIPTOR] += (float)(weight * share);
-    }
-}
-
-static void insert_similar(int32_t *id, float *cost, int32_t k, int32_t other, float c)
-{
-    int32_t i = k - 1;
-    assert(k > 0);
-    if (!(c < cost[i]))
-        return;
-    for (; i > 0 && c < cost[i - 1]; i--)
-        id[i] = id[i - 1], cost[i] = cost[i - 1];
-    id[i] = other, cost[i] = c;
-}
-
-/* The neighbourhood within the radius alone. */
-static void take_inner(const tz_energy_exemplar *x, int32_t k, tz_pairing_side *out)
-{
-    const tz_pairing_side *s = &x->side[k];
-    out->n = 0;
-    for (int32_t j = 0; j < s->n; j++) {
-        const int32_t to = out->n;
-        if (!tz_energy_within(x, k, j))
-            continue;
-        out->x[to] = s->x[j], out->y[to] = s->y[j];
-        out->a[to] = s->a[j], out->b[to] = s->b[j];
-        out->l[to] = s->l[j];
-        out->n++;
-    }
-    tz_pairing_sort(out, NULL);
-}
-
-static tz_status find_similar(tz_ctx *ctx, void *arg, int64_t i, int worker)
-{
-    (void)ctx, (void)worker;
-    const similar_job *job = arg;
-    tz_energy_exemplar *x = job->x;
-    const int32_t k = (int32_t)i, label = x->label[k], most = x->coherent;
-    const int32_t begin = x->label_first[label];
-    int32_t n = x->label_first[label + 1] - begin, list[SHORTLIST];
-    const tz_kdtree *tree = &job->tree[label];
-    float cost[64], dist2[SHORTLIST];
-    int32_t *similar = &x->similar[(ptrdiff_t)k * most];
-    tz_pairing w;
-    tz_pairing_side wanted;
-    w.attributes = x->attributes;
-    w.limit = (float)(x->limit * x->limit);
-    w.weight = NULL;
-    take_inner(x, k, &wanted);
-    for (int32_t j = 0; j < most; j++)
-        similar[j] = -1, cost[j] = INFINITY;
-    if (tree->n > 0)
-        n = tz_kdtree_nearest(tree, &job->descriptor[(ptrdiff_t)k * DESCRIPTOR],
-                              SHORTLIST, list, dist2);
-    for (int32_t j = 0; j < n; j++) {
-        const int32_t other = x->by_label[begin + (tree->n > 0 ? list[j] : j)];
-        if (other != k)
-            insert_similar(similar, cost, most, other,
-                           tz_pairing_best(&w, &wanted, &x->side[other], cost[most - 1]));
-    }
-    return TZ_OK;
-}
-
-/* A tree of descriptors for each label that is too large for all pairs. */
-static tz_status plant(tz_energy_exemplar *x, float *descriptor, float *sorted,
-                       tz_kdtree *tree)
-{
-    tz_status s = TZ_OK;
-    for (int32_t k = 0; k < x->n; k++)
-        describe(x, k, &descriptor[(ptrdiff_t)k * DESCRIPTOR]);
-    for (int32_t k = 0; k < x->n; k++)
-        memcpy(&sorted[(ptrdiff_t)k * DESCRIPTOR],
-               &descriptor[(ptrdiff_t)x->by_label[k] * DESCRIPTOR],
-               DESCRIPTOR * sizeof *sorted);
-    for (int32_t l = 0; l < x->labels && s == TZ_OK; l++) {
-        const int32_t begin = x->label_first[l], n = x->label_first[l + 1] - begin;
-        if (n > BRUTE)
-            s = tz_kdtree_init(x->ctx, &tree[l], &sorted[(ptrdiff_t)begin * DESCRIPTOR],
-                               n, DESCRIPTOR);
-    }
-    return s;
-}
-
-static tz_status build_similar(tz_energy_exemplar *x)
-{
-    float *descriptor = NULL, *sorted = NULL;
-    tz_kdtree *tree = NULL;
-    const size_t size = (size_t)x->n * DESCRIPTOR;
-    tz_status s = tz_alloc(x->ctx, &descriptor, size, sizeof *descriptor);
-    if (s == TZ_OK)
-        s = tz_alloc(x->ctx, &sorted, size, sizeof *sorted);
-    if (s == TZ_OK)
-        s = tz_alloc_zero(x->ctx, &tree, (size_t)x->labels, sizeof *tree);
-    if (s == TZ_OK)
-        s = plant(x, descriptor, sorted, tree);
-    similar_job job = {x, tree, descriptor};
-    if (s == TZ_OK)
-        s = tz_parallel_for(x->ctx, x->n, find_similar, &job);
-    for (int32_t l = 0; tree && l < x->labels; l++)
-        if (tree[l].n > 0)
-            tz_kdtree_deinit(&tree[l]);
-    tz_free(x->ctx, tree);
-    tz_free(x->ctx, sorted);
-    tz_free(x->ctx, descriptor);
-    return s;
-}
-
 tz_status tz_energy_exemplar_init(tz_ctx *ctx, tz_energy_exemplar *x,
                                   const tz_element_set *set, const tz_energy_params *p)
 {
@@ -368,7 +231,7 @@ tz_status tz_energy_exemplar_init(tz_ctx *ctx, tz_energy_exemplar *x,
         s = find_neighbours(x);
     }
     if (s == TZ_OK)
-        s = build_similar(x);
+        s = tz_energy_find_similar(x);
     if (s != TZ_OK)
         tz_energy_exemplar_deinit(x);
     return s;

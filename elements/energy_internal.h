@@ -48,6 +48,9 @@ static inline bool tz_energy_within(const tz_energy_exemplar *x, int32_t k, int3
 {
     return x->inner[k] >> j & 1;
 }
+/** Fills x->similar (energy_similar.c). @cost O(n) pairings, n^2 short vectors up to 2,048
+ * samples of a label, then O(n) */
+tz_status tz_energy_find_similar(tz_energy_exemplar *x);
 /** Label of a class and sample id, -1 where the exemplar has none such. */
 int32_t tz_energy_label(const tz_energy_exemplar *x, int32_t kind, int32_t id);
 /** Attributes of an element as a vector, in the frame of the given angle. */

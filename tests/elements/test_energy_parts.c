@@ -124,6 +124,115 @@ static void test_cells(void **state)
     end_ctx(ctx);
 }
 
+/* ---- likeness -------------------------------------------------------------------- */
+
+static float unlike(const tz_energy_exemplar *x, int32_t k, int32_t other)
+{
+    static tz_pairing w;
+    tz_pairing_side wanted = {.n = 0};
+    const tz_pairing_side *s = &x->side[k];
+    for (int32_t j = 0; j < s->n; j++)
+        if (tz_energy_within(x, k, j)) {
+            wanted.x[wanted.n] = s->x[j], wanted.y[wanted.n] = s->y[j];
+            wanted.a[wanted.n] = s->a[j], wanted.b[wanted.n] = s->b[j];
+            wanted.l[wanted.n++] = s->l[j];
+        }
+    tz_pairing_sort(&wanted, NULL);
+    w.attributes = x->attributes, w.limit = (float)(x->limit * x->limit), w.weight = NULL;
+    return tz_pairing_best(&w, &wanted, &x->side[other], INFINITY);
+}
+
+/* The alike ones, found through descriptors, against all of the label. */
+static void test_similar_are_alike(void **state)
+{
+    (void)state;
+    static const pattern all[] = {PATTERN_JITTER, PATTERN_MIXED};
+    const tz_domain d = {.size = {240, 240, 0}, .torus = false};
+    for (int q = 0; q < 2; q++) {
+        const tz_energy_params p = defaults();
+        tz_ctx *ctx = new_ctx(2);
+        tz_element_set from;
+        tz_energy_exemplar x;
+        double found = 0, best = 0, any = 0;
+        ok(ctx, pattern_make(ctx, &from, all[q], d, 3));
+        ok(ctx, tz_energy_exemplar_init(ctx, &x, &from, &p));
+        for (int32_t k = 0; k < x.n; k += 7) {
+            const int32_t *l = &x.label_first[x.label[k]];
+            const int32_t *similar = &x.similar[k * x.coherent];
+            float least = INFINITY, last = 0;
+            double sum = 0;
+            for (int32_t i = l[0]; i < l[1]; i++)
+                if (x.by_label[i] != k) {
+                    const float c = unlike(&x, k, x.by_label[i]);
+                    least = fminf(least, c), sum += (double)c;
+                }
+            for (int32_t j = 0; j < x.coherent; j++) {
+                assert_true(similar[j] >= 0 && similar[j] != k);
+                assert_int_equal(x.label[similar[j]], x.label[k]);
+                for (int32_t i = 0; i < j; i++)
+                    assert_int_not_equal(similar[i], similar[j]);
+                const float c = unlike(&x, k, similar[j]);
+                assert_true(c >= last && c >= least * 0.9999f); /* nearest first */
+                last = c;
+            }
+            found += (double)unlike(&x, k, similar[0]);
+            best += (double)least, any += sum / (l[1] - l[0] - 1);
+        }
+        assert_true(found - best < 0.15 * (any - best));
+        tz_energy_exemplar_deinit(&x);
+        tz_element_set_deinit(&from);
+        end_ctx(ctx);
+    }
+}
+
+static void test_similar_at_any_threads(void **state)
+{
+    (void)state;
+    static const int threads[] = {1, 2, 8};
+    int32_t *first = NULL;
+    for (int q = 0; q < 3; q++) {
+        const tz_energy_params p = defaults();
+        tz_ctx *ctx = new_ctx(threads[q]);
+        tz_element_set from;
+        tz_energy_exemplar x;
+        ok(ctx, pattern_make(ctx, &from, PATTERN_MIXED,
+                             (tz_domain){.size = {240, 240, 0}, .torus = true}, 3));
+        ok(ctx, tz_energy_exemplar_init(ctx, &x, &from, &p));
+        const size_t size = (size_t)x.n * (size_t)x.coherent * sizeof *first;
+        if (!first)
+            first = memcpy(malloc(size), x.similar, size);
+        assert_memory_equal(first, x.similar, size);
+        tz_energy_exemplar_deinit(&x);
+        tz_element_set_deinit(&from);
+        end_ctx(ctx);
+    }
+    free(first);
+}
+
+static void test_similar_without_memory(void **state)
+{
+    (void)state;
+    const tz_energy_params p = defaults();
+    tz_status s = TZ_NOMEM;
+    for (int64_t n = 1; s != TZ_OK; n++) {
+        const tz_ctx_options opt = {.threads = 1, .fail_alloc = n};
+        tz_ctx *plain = new_ctx(1), *ctx;
+        tz_element_set from;
+        tz_energy_exemplar x;
+        assert_true(n < 100);
+        ok(plain, pattern_make(plain, &from, PATTERN_MIXED,
+                               (tz_domain){.size = {90, 90, 0}, .torus = false}, 3));
+        assert_int_equal(tz_ctx_new(&opt, &ctx), TZ_OK);
+        s = tz_energy_exemplar_init(ctx, &x, &from, &p);
+        assert_true(s == TZ_OK || s == TZ_NOMEM);
+        tz_energy_exemplar_deinit(&x);
+        assert_int_equal(tz_ctx_memory_used(ctx), 0);
+        tz_ctx_free(ctx);
+        tz_element_set_deinit(&from);
+        end_ctx(plain);
+    }
+}
+
 /* ---- assignment ------------------------------------------------------------------ */
 
 typedef struct bench {
@@ -284,6 +393,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pairing_is_best),
         cmocka_unit_test(test_cells),
+        cmocka_unit_test(test_similar_are_alike),
+        cmocka_unit_test(test_similar_at_any_threads),
+        cmocka_unit_test(test_similar_without_memory),
         cmocka_unit_test(test_fit_is_least_squares),
         cmocka_unit_test(test_assignment_lowers_energy),
         cmocka_unit_test(test_border),
