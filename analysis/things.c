@@ -9,7 +9,8 @@
  *         -> which lies above which, hidden parts                   things_depth.c
  *         -> what is surely ground, what may be copied  things_ground.c, things_doubt.c
  *         -> elements, samples, kinds                               things_set.c
- *         -> plate: ground where things have been                   things_plate.c */
+ *         -> plate: ground where things have been   things_plate.c, things_even.c
+ *         -> whether the photo is made of things                    things_judge.c */
 #include "analysis/things.h"
 
 #include <math.h>
@@ -20,6 +21,7 @@
 #include "analysis/things_choose.h"
 #include "analysis/things_depth.h"
 #include "analysis/things_doubt.h"
+#include "analysis/things_judge.h"
 #include "analysis/things_mask.h"
 #include "analysis/things_picture.h"
 #include "analysis/things_plate.h"
@@ -32,7 +34,7 @@
 #define MOST_DOUBLED 600000 /* px of a photo */
 #define DOUBT        0.4    /* of the certainty: more is no sure ground */
 #define ROUNDING     0.045 /* of the middle thing's diameter: as large a smoothing is 1 */
-#define SCARCE       0.12  /* share of the picture: less ground than that is no plate */
+#define SCARCE       0.16  /* share of the picture: less ground than that is no plate */
 #define COVERED      0.08  /* mean hidden share of piled things */
 #define CLEAR        0.6   /* share of the things that is unlike the ground */
 #define SOLID        0.95  /* mean share of the convex hulls */
@@ -427,13 +429,19 @@ static tz_status take_photo(const work *k, tz_image *plate)
  * cover each other, or what is between them is like them and they have no clear outline. */
 static bool is_pile(const work *k)
 {
-    double hidden = 0, solid = 0;
-    for (int32_t i = 0; i < k->count; i++) {
-        hidden += k->found[i].hidden / k->count;
-        solid += k->found[i].solid / k->count;
-    }
-    return k->count > 0 && k->ground.share < SCARCE &&
-           (hidden > COVERED || (k->ground.clear < CLEAR && solid < SOLID));
+    const double pixels = (double)k->photo->width * k->photo->height;
+    double hidden = 0, solid = 0, share = k->ground.share;
+    int32_t n = 0;
+    for (int32_t i = 0; i < k->count; i++)
+        if (k->found[i].like_ground) {
+            share += k->found[i].area / pixels;
+        } else {
+            hidden += k->found[i].hidden;
+            solid += k->found[i].solid;
+            n++;
+        }
+    return n > 0 && share < SCARCE &&
+           (hidden > COVERED * n || (k->ground.clear < CLEAR && solid < SOLID * n));
 }
 
 static tz_status make_plate(const work *k, tz_image *plate)
@@ -473,11 +481,20 @@ tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
                          const tz_things_params *params, tz_element_set *out,
                          tz_image *plate, int32_t *label)
 {
+    tz_things_verdict verdict;
+    return tz_things_judge(ctx, photo, params, out, plate, label, &verdict);
+}
+
+tz_status tz_things_judge(tz_ctx *ctx, const tz_image *photo,
+                          const tz_things_params *params, tz_element_set *out,
+                          tz_image *plate, int32_t *label, tz_things_verdict *verdict)
+{
     const int64_t pixels = (int64_t)photo->width * photo->height;
     work k = {.ctx = ctx, .photo = photo, .params = params};
     tz_status s = check(ctx, photo, params);
 
     *out = (tz_element_set){0};
+    *verdict = (tz_things_verdict){0};
     if (plate)
         *plate = (tz_image){0};
     if (s != TZ_OK)
@@ -499,6 +516,8 @@ tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
                                out);
     if (s == TZ_OK && plate)
         s = make_plate(&k, plate);
+    if (s == TZ_OK)
+        s = tz_things_sum_up(ctx, k.found, k.count, &k.ground, pixels, verdict);
     if (s == TZ_OK && tz_ctx_cancelled(ctx))
         s = TZ_CANCELLED;
     if (s == TZ_OK && label)
@@ -508,6 +527,7 @@ done:
     tz_progress_end(ctx);
     work_deinit(&k);
     if (s != TZ_OK) {
+        *verdict = (tz_things_verdict){0};
         tz_element_set_deinit(out);
         if (plate)
             tz_image_deinit(plate);

@@ -72,6 +72,27 @@ TZ_API tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
                                 const tz_things_params *params, tz_element_set *out,
                                 tz_image *plate, int32_t *label);
 
+/** What a photo is made of. */
+typedef struct tz_things_verdict {
+    bool is_things; /**< an element texture suits it */
+    int32_t things; /**< found */
+    int32_t copied; /**< of them, those that are not `cut` */
+    double covered; /**< 0..1: share of the picture that things cover */
+    double sure;    /**< 0..1: mean certainty of what the border does not cut */
+    double solid;   /**< 0..1: mean share of its convex hull that a copied thing fills */
+    double spread; /**< of the copied things' area, octaves: 1.48 median distance from the
+                          median */
+    double distinct; /**< 0..1: share of the things' area that is unlike the ground */
+    char why[128];   /**< "132 things cover 71 % of the picture and are alike in size" */
+} tz_things_verdict;
+
+/** As tz_things_find, and judges whether the photo is made of things.
+ * @param[out] verdict  zeroed on error */
+TZ_API tz_status tz_things_judge(tz_ctx *ctx, const tz_image *photo,
+                                 const tz_things_params *params, tz_element_set *out,
+                                 tz_image *plate, int32_t *label,
+                                 tz_things_verdict *verdict);
+
 /** Says where photo 0 of a set is kept; needed before the set is written as SVG.
  * @param path    as this program opens it
  * @param sha256  of the file, NULL = unknown

@@ -41,7 +41,7 @@ static tz_status judge_some(tz_ctx *ctx, void *arg, int64_t i, int worker)
         if (area < j->how->least || area > j->how->most)
             continue;
         tz_things_describe(j->t, &j->view, &j->sizes, v, f);
-        j->sure[v] = (float)tz_things_judge(&j->nets[j->sizes.known], f);
+        j->sure[v] = (float)tz_things_score(&j->nets[j->sizes.known], f);
     }
     return TZ_OK;
 }

@@ -15,13 +15,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define GOOD 0.35
+#define GOOD   0.35
+#define LIKELY 1.5 /* log likelihood ratio */
 
 enum { ENOUGH = 12, SHARE = 3 };
 
 typedef struct thing {
-    double area, ragged, good;
-    bool frame;
+    double ragged, good;
 } thing;
 
 /* ---- shape --------------------------------------------------------------------------- */
@@ -87,7 +87,7 @@ static tz_status measure_shape(tz_ctx *ctx, tz_things_found *f, thing *t)
 }
 
 static void measure_pixels(const tz_image *photo, const int32_t *label,
-                           tz_things_found *found, thing *t)
+                           tz_things_found *found)
 {
     const int32_t w = photo->width, h = photo->height;
     for (int32_t y = 0; y < h; y++)
@@ -99,8 +99,9 @@ static void measure_pixels(const tz_image *photo, const int32_t *label,
             tz_things_colour(tz_image_at(photo, x, y), photo->channels, c);
             for (int k = 0; k < 3; k++)
                 found[l].colour[k] += c[k];
-            t[l].area++;
-            t[l].frame = t[l].frame || x == 0 || y == 0 || x + 1 == w || y + 1 == h;
+            found[l].area++;
+            found[l].frame =
+                found[l].frame || x == 0 || y == 0 || x + 1 == w || y + 1 == h;
         }
 }
 
@@ -143,7 +144,7 @@ static others survey(const tz_things_found *f, const thing *t, int32_t count, do
                 continue;
             v[n++] = what == 0   ? f[i].solid
                      : what == 1 ? t[i].ragged
-                     : what == 2 ? t[i].area
+                     : what == 2 ? f[i].area
                      : what < 6  ? f[i].colour[c]
                                  : fabs(f[i].colour[c] - o.colour[c]);
         }
@@ -173,7 +174,7 @@ static double step(double from, double to, double v)
 /* Log likelihood ratio of normal colours: > 0 where ground is likelier. */
 static double like_ground(const others *o, const tz_things_ground *g, const double *c)
 {
-    double ratio = 0;
+    double ratio = g->share > 0 ? 0 : -100;
     for (int k = 0; k < 3; k++) {
         const double spread = fmax(g->spread[k], 0.02);
         const double a = (c[k] - o->colour[k]) / o->spread[k],
@@ -186,19 +187,19 @@ static double like_ground(const others *o, const tz_things_ground *g, const doub
 static double good_of(const others *o, const tz_things_ground *g,
                       const tz_things_found *f, const thing *t)
 {
-    const double ground = g->share > 0 ? like_ground(o, g, f->colour) : -1;
+    const double ground = like_ground(o, g, f->colour);
     return step(0.3, 0.55, f->sure) * (1 - step(0.06, 0.2, f->hidden)) *
            step(o->solid - 0.16, o->solid - 0.02, f->solid) *
            (1 - step(o->ragged + 0.02, o->ragged + 0.16, t->ragged)) *
-           (1 - step(0, 3, ground)) * step(0.06, 0.25, t->area / fmax(o->area, 1));
+           (1 - step(0, 3, ground)) * step(0.06, 0.25, f->area / fmax(o->area, 1));
 }
 
 /* The good that a thing must have. @param v  scratch, count + 1 */
-static double bar_of(const thing *t, int32_t count, double *v)
+static double bar_of(const tz_things_found *f, const thing *t, int32_t count, double *v)
 {
     int32_t n = 0;
     for (int32_t i = 0; i < count; i++)
-        if (!t[i].frame)
+        if (!f[i].frame)
             v[n++] = t[i].good;
     if (n == 0)
         return GOOD;
@@ -218,19 +219,21 @@ tz_status tz_things_doubt(tz_ctx *ctx, const tz_image *photo, const int32_t *lab
         s = tz_alloc(ctx, &v, (size_t)count + 1, sizeof *v);
     if (s != TZ_OK)
         goto done;
-    measure_pixels(photo, label, found, t);
+    measure_pixels(photo, label, found);
     for (int32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++)
-            found[i].colour[k] /= fmax(t[i].area, 1);
+            found[i].colour[k] /= fmax(found[i].area, 1);
         if ((s = measure_shape(ctx, &found[i], &t[i])) != TZ_OK)
             goto done;
     }
     const others o = survey(found, t, count, v);
-    for (int32_t i = 0; i < count; i++)
+    for (int32_t i = 0; i < count; i++) {
         t[i].good = good_of(&o, ground, &found[i], &t[i]);
-    const double bar = bar_of(t, count, v);
+        found[i].like_ground = like_ground(&o, ground, found[i].colour) > LIKELY;
+    }
+    const double bar = bar_of(found, t, count, v);
     for (int32_t i = 0; i < count; i++)
-        found[i].cut = t[i].frame || t[i].good < bar;
+        found[i].cut = found[i].frame || t[i].good < bar;
 done:
     tz_free(ctx, t);
     tz_free(ctx, v);

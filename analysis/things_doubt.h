@@ -7,7 +7,7 @@
 #include "analysis/things_ground.h"
 #include "analysis/things_set.h"
 
-/** Sets colour, solid and cut of each thing from its outline, sure and hidden.
+/** Sets colour, area, frame, solid, like_ground and cut of each thing from its outline, sure and hidden.
  * @param label  width * height
  * @cost O(pixels + points log points) */
 tz_status tz_things_doubt(tz_ctx *ctx, const tz_image *photo, const int32_t *label,

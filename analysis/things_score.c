@@ -111,7 +111,7 @@ void tz_things_describe(const tz_things_tree *t, const tz_things_overview *o,
         feature[k] = (float)f[k];
 }
 
-double tz_things_judge(const tz_things_net *net, const float *feature)
+double tz_things_score(const tz_things_net *net, const float *feature)
 {
     float h[TZ_THINGS_HIDDEN], sum = net->out_bias;
     for (int j = 0; j < TZ_THINGS_HIDDEN; j++)

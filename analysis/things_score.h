@@ -35,6 +35,6 @@ tz_things_overview tz_things_survey(const tz_things_tree *t);
 
 void tz_things_describe(const tz_things_tree *t, const tz_things_overview *o,
                         const tz_things_sizes *sizes, int32_t node, float *feature);
-double tz_things_judge(const tz_things_net *net, const float *feature);
+double tz_things_score(const tz_things_net *net, const float *feature);
 
 #endif

@@ -17,7 +17,10 @@ typedef struct tz_things_found {
     double sure;      /**< 0..1, see things_score.h */
     double hidden;    /**< share of it that others are estimated to hide */
     double solid;     /**< its area over that of its convex hull */
+    double area;      /**< px */
+    bool frame;       /**< the photo's border cuts it */
     double colour[3]; /**< mean, see things_ground.h */
+    bool like_ground; /**< its colour is likelier the ground's than the things' */
     bool cut;         /**< by the border, covered or doubtful: never copied */
 } tz_things_found;
 

@@ -189,16 +189,16 @@ static tz_image draw_row(tz_ctx *ctx, const options *o, const char *path)
     const int32_t longest = full.width > full.height ? full.width : full.height;
     tz_image photo = reduced(ctx, &full, (longest + o->side - 1) / o->side);
     tz_element_set s;
-    int32_t *label, copied = 0;
+    tz_things_verdict verdict;
+    int32_t *label;
     bench_check(ctx, tz_alloc(ctx, &label, (size_t)photo.width * (size_t)photo.height,
                               sizeof *label));
     const double start = bench_now();
-    bench_check(ctx, tz_things_find(ctx, &photo, &o->params, &s, &plate, label));
-    const double seconds = bench_now() - start;
-    for (int32_t i = 0; i < s.element.n; i++)
-        copied += !s.element.v[i].cut;
-    printf("%s: %d x %d, %d things, %d to copy, %d kinds, %.2f s\n", path, photo.width,
-           photo.height, s.element.n, copied, s.kind.n, seconds);
+    bench_check(ctx,
+                tz_things_judge(ctx, &photo, &o->params, &s, &plate, label, &verdict));
+    printf("%s: %d x %d, %d things, %d to copy, %d kinds, %.2f s\n    %s: %s\n", path,
+           photo.width, photo.height, s.element.n, verdict.copied, s.kind.n,
+           bench_now() - start, verdict.is_things ? "things" : "no things", verdict.why);
     if (o->svg)
         write_set(ctx, o, path, &photo, &plate, &s);
     tz_image drawn;
