@@ -293,7 +293,7 @@ static void test_edited(void **state)
 /* Farthest that a point of `a` lies from all of `b`. */
 static double farthest(const tz_curve_set *a, const tz_curve_set *b)
 {
-    enum { STEPS = 24 };
+    enum { STEPS = 96 };
     double far = 0;
     for (int32_t i = 0; i < a->piece.n; i++)
         for (int k = 0; k <= 4; k++) {
