@@ -6,6 +6,7 @@
 #include "cli/elements.h"
 #include "cli/figures.h"
 #include "synthesis/element_ground.h"
+#include "synthesis/plate_map.h"
 
 /* ---- pixels ------------------------------------------------------------------------ */
 
@@ -191,13 +192,30 @@ static tz_status write_picture(tz_cli *cli, const tz_element_job *job,
     return s;
 }
 
+/* What lies beneath in another map: the ground's source i is the plate of photo i. */
+static tz_status make_plates(tz_cli *cli, const tz_element_material *m,
+                             const tz_image *maps, tz_image **out)
+{
+    const int32_t n = m->ground.source.n;
+    tz_status s = tz_alloc_zero(cli->ctx, out, (size_t)n, sizeof **out);
+    for (int32_t i = 0; i < n && i < m->photos.n && s == TZ_OK; i++) {
+        const tz_image *photo = &m->photos.photo[i], *plate = &m->ground_photo[i];
+        const bool plates = photo->width == plate->width &&
+                            photo->height == plate->height &&
+                            photo->channels == plate->channels;
+        s = plates ? tz_plate_map(cli->ctx, photo, plate, &maps[i], &(*out)[i])
+                   : tz_image_copy(cli->ctx, &maps[i], &(*out)[i]);
+    }
+    return s;
+}
+
 static tz_status render_one(tz_cli *cli, const tz_element_job *job, const tz_picture *p)
 {
     const tz_element_material *m = job->material;
     const tz_map *map = p->map < 0 ? NULL : &job->maps->map.v[p->map];
     const bool what = map && job->maps->what.v[p->map] >= 0;
     const int32_t photos = m->photos.n;
-    tz_image *images = NULL;
+    tz_image *images = NULL, *plates = NULL;
     tz_element_pixels *pixels = NULL;
     tz_record extra = {0};
     picture_state state = {.what = what ? (tz_element_map)job->maps->what.v[p->map] : 0};
@@ -212,7 +230,9 @@ static tz_status render_one(tz_cli *cli, const tz_element_job *job, const tz_pic
         pixels[i] = (tz_element_pixels){
             &m->photos.photo[i], m->photos.plate[i].px ? &m->photos.plate[i] : NULL,
             images ? &images[i] : NULL};
-    const tz_element_ground ground = {&m->ground, images ? images : m->ground_photo,
+    if (s == TZ_OK && images && m->ground.place.n > 0)
+        s = make_plates(cli, m, images, &plates);
+    const tz_element_ground ground = {&m->ground, plates ? plates : m->ground_photo,
                                       m->ground.source.n, job->compose};
     if (s == TZ_OK)
         s = tz_element_composer_new(
@@ -225,6 +245,9 @@ static tz_status render_one(tz_cli *cli, const tz_element_job *job, const tz_pic
     tz_element_composer_free(state.composer);
     for (int32_t i = 0; images && i < photos; i++)
         tz_image_deinit(&images[i]);
+    for (int32_t i = 0; plates && i < m->ground.source.n; i++)
+        tz_image_deinit(&plates[i]);
+    tz_free(cli->ctx, plates);
     tz_free(cli->ctx, images);
     tz_free(cli->ctx, pixels);
     tz_record_free(cli, &extra);

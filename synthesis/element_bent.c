@@ -5,7 +5,7 @@
  * grid of the canvas and lies on straight lines along the rows between them. */
 #include "synthesis/element_render_internal.h"
 
-enum { GRID = 8, NODES = TZ_ELEMENT_TILE / GRID + 1 };
+enum { GRID = 4, NODES = TZ_ELEMENT_TILE / GRID + 1 };
 
 /* As documents show them: from this share of the radius on one sees it. */
 #define SEEN 0.05
@@ -147,35 +147,48 @@ double tz_bent_angle(const tz_element_renderer *r, const tz_bent *b, tz_affine m
 
 /* ---- cut-outs ------------------------------------------------------------------------ */
 
-/* Places in a plane that nodes of the grid show; NAN where nothing does. */
+/* Places in a plane that nodes of the grid show; NAN where the warp has no inverse. */
 typedef struct grid {
-    tz_vec2 v[NODES][NODES];
+    const tz_element_renderer *r;
+    const tz_bent *b;
+    const tz_showing *p;
+    double kx, ky;  /* px of the plane a unit of the symbol */
     int32_t x0, y0; /* of the tile */
+    tz_vec2 v[NODES][NODES];
 } grid;
 
-static void find_grid(const tz_element_renderer *r, const tz_bent *b, const tz_showing *p,
-                      const tz_cutout_view *v, tz_rect t, grid *g)
+static tz_vec2 place_of(const grid *g, double px, double py)
 {
-    const tz_element *e = &r->set->element.v[b->element];
-    const tz_element_symbol *y = &r->set->symbol.v[e->symbol];
-    const tz_cutout *c = &r->cutout[e->symbol];
-    const double half = ldexp(1, -v->level), near = 0.01 * b->bend.radius * b->bend.scale;
-    const double kx = c->mx * y->photo_scale * half, ky = c->my * y->photo_scale * half;
+    const tz_element *e = &g->r->set->element.v[g->b->element];
+    const tz_bend *bend = &g->b->bend;
+    const tz_bounds *local = &g->r->cutout[e->symbol].local;
+    const tz_vec2 at = to_world(g->r, e, g->p->map, px, py), q = tz_bend_invert(bend, at),
+                  back = tz_bend_apply(bend, q);
+    if (hypot(back.x - at.x, back.y - at.y) > 0.005 * bend->radius * bend->scale)
+        return (tz_vec2){NAN, NAN};
+    return (tz_vec2){(q.x - local->x0) * g->kx, (q.y - local->y0) * g->ky};
+}
+
+static bool near_box(const tz_bounds *b, double x, double y)
+{
+    return x >= b->x0 - GRID && x <= b->x1 + GRID && y >= b->y0 - GRID &&
+           y <= b->y1 + GRID;
+}
+
+static void find_grid(const tz_cutout_view *v, tz_rect t, grid *g)
+{
+    const tz_element *e = &g->r->set->element.v[g->b->element];
+    const tz_element_symbol *y = &g->r->set->symbol.v[e->symbol];
+    const tz_cutout *c = &g->r->cutout[e->symbol];
+    g->kx = ldexp(c->mx * y->photo_scale, -v->level);
+    g->ky = ldexp(c->my * y->photo_scale, -v->level);
     g->x0 = t.x;
     g->y0 = t.y;
     for (int32_t j = 0; j < NODES; j++)
         for (int32_t i = 0; i < NODES; i++) {
             const double px = t.x + i * GRID, py = t.y + j * GRID;
-            g->v[j][i] = (tz_vec2){NAN, NAN};
-            if (px < p->box.x0 - GRID || px > p->box.x1 + GRID || py < p->box.y0 - GRID ||
-                py > p->box.y1 + GRID)
-                continue;
-            const tz_vec2 at = to_world(r, e, p->map, px, py),
-                          q = tz_bend_invert(&b->bend, at),
-                          back = tz_bend_apply(&b->bend, q);
-            if (hypot(back.x - at.x, back.y - at.y) < near)
-                g->v[j][i] =
-                    (tz_vec2){(q.x - c->local.x0) * kx, (q.y - c->local.y0) * ky};
+            g->v[j][i] =
+                near_box(&g->p->box, px, py) ? place_of(g, px, py) : (tz_vec2){NAN, NAN};
         }
 }
 
@@ -195,31 +208,59 @@ static bool row_map(const grid *g, int32_t i, int32_t y, tz_affine *m)
     return isfinite(m->a) && isfinite(m->b) && isfinite(m->c) && isfinite(m->d);
 }
 
+/* Draws canvas pixels x .. end - 1 of row y under v->inv. */
+static void draw_run(const grid *g, tz_cutout_view *v, int32_t x, int32_t end, int32_t y,
+                     tz_layer *layer, tz_layer_work *w)
+{
+    const tz_cutout *c = &g->r->cutout[g->r->set->element.v[g->b->element].symbol];
+    const tz_affine i = v->inv;
+    const double det = tz_affine_det(i);
+    if (!(det > 1e-12))
+        return;
+    /* of the map's inverse transpose, as tz_cutout_look has it */
+    const double s = 1 / sqrt(det);
+    v->turn[0] = (float)(i.a * s), v->turn[1] = (float)(-i.b * s);
+    v->turn[2] = (float)(-i.c * s), v->turn[3] = (float)(i.d * s);
+    tz_cutout_run(c, v, g->r->kind, (tz_rect){x, y, end - x, 1}, layer, w);
+}
+
+/* The same pixel by pixel, where nodes have no inverse but pixels between them may; `plain`
+ * is the view of the plain pose, for what is near alike. */
+static void draw_pixels(const grid *g, const tz_cutout_view *plain, int32_t x,
+                        int32_t end, int32_t y, tz_layer *layer, tz_layer_work *w)
+{
+    for (; x < end; x++) {
+        tz_cutout_view v = *plain;
+        const tz_vec2 q = place_of(g, x + 0.5, y + 0.5);
+        if (!near_box(&g->p->box, x, y) || !(isfinite(q.x) && isfinite(q.y)))
+            continue;
+        v.inv.e = q.x - v.inv.a * (x + 0.5) - v.inv.c * (y + 0.5);
+        v.inv.f = q.y - v.inv.b * (x + 0.5) - v.inv.d * (y + 0.5);
+        draw_run(g, &v, x, x + 1, y, layer, w);
+    }
+}
+
 void tz_bent_draw_cutout(const tz_element_renderer *r, const tz_bent *b,
                          const tz_showing *p, tz_layer *layer, tz_layer_work *w)
 {
     const tz_element *e = &r->set->element.v[b->element];
     const tz_cutout *c = &r->cutout[e->symbol];
     const tz_rect t = layer->rect;
-    grid g;
+    grid g = {.r = r, .b = b, .p = p};
     if (c->empty)
         return;
     tz_cutout_view v = tz_cutout_look(c, &r->set->symbol.v[e->symbol], p->map);
     v.exact = false;
-    find_grid(r, b, p, &v, t, &g);
+    const tz_cutout_view plain = v;
+    find_grid(&v, t, &g);
     for (int32_t y = t.y; y < t.y + t.h; y++)
         for (int32_t x = t.x; x < t.x + t.w; x += GRID) {
             const int32_t end = x + GRID < t.x + t.w ? x + GRID : t.x + t.w;
-            if (!row_map(&g, (x - t.x) / GRID, y, &v.inv))
+            if (!near_box(&p->box, x, y))
                 continue;
-            const tz_affine i = v.inv;
-            const double det = tz_affine_det(i);
-            if (!(det > 1e-12))
-                continue;
-            /* of the map's inverse transpose, as tz_cutout_look has it */
-            const double s = 1 / sqrt(det);
-            v.turn[0] = (float)(i.a * s), v.turn[1] = (float)(-i.b * s);
-            v.turn[2] = (float)(-i.c * s), v.turn[3] = (float)(i.d * s);
-            tz_cutout_run(c, &v, r->kind, (tz_rect){x, y, end - x, 1}, layer, w);
+            if (row_map(&g, (x - t.x) / GRID, y, &v.inv))
+                draw_run(&g, &v, x, end, y, layer, w);
+            else
+                draw_pixels(&g, &plain, x, end, y, layer, w);
         }
 }

@@ -25,6 +25,7 @@ enum {
 /* How much photo and plate may differ where they are the same: quickly, slowly. */
 #define GRAIN 0.008F
 #define SLOW  0.15F
+#define FOUND 1e-3F /* the error of a patch that need not be sought any more */
 
 typedef struct level {
     int32_t w, h;
@@ -231,7 +232,7 @@ static tz_status search_row(tz_ctx *ctx, void *arg, int64_t row, int worker)
         l->next[at] = best;
         if (l->same[at])
             continue;
-        for (int k = 0; k < 9; k++) {
+        for (int k = 0; k < 9 && error > FOUND; k++) {
             const int32_t dx = (k % 3 - 1) * b->jump, dy = (k / 3 - 1) * b->jump;
             if ((dx == 0 && dy == 0) || x + dx < 0 || y + dy < 0 || x + dx >= l->w ||
                 y + dy >= l->h)
@@ -241,8 +242,9 @@ static tz_status search_row(tz_ctx *ctx, void *arg, int64_t row, int worker)
                 propose(l, at, f % l->w - dx, f / l->w - dy, &best, &error);
         }
         const int32_t far = l->place[tz_rng_below(&rng, l->n)];
-        propose(l, at, far % l->w, far / l->w, &best, &error);
-        for (int32_t r = 16; r > 0 && best >= 0; r /= 4) {
+        if (error > FOUND)
+            propose(l, at, far % l->w, far / l->w, &best, &error);
+        for (int32_t r = 16; r > 0 && best >= 0 && error > FOUND; r /= 4) {
             const int32_t dx = (int32_t)tz_rng_below(&rng, 2 * r + 1) - r,
                           dy = (int32_t)tz_rng_below(&rng, 2 * r + 1) - r;
             propose(l, at, best % l->w + dx, best / l->w + dy, &best, &error);

