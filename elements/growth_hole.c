@@ -181,7 +181,7 @@ static int32_t best_unit(const tz_growth *g, int32_t texture, tz_vec3 at,
             !tz_growth_fits(ex, u, 0, 0, solid))
             continue;
         const float cost = (0.1F + tz_growth_cost(ex, unit, view, INFINITY, &used)) *
-                           powf(1 + tz_growth_surplus(g, texture, u->class), 2);
+                           powf(1 + tz_growth_surplus(g, texture, u->class), 4);
         if (cost < least)
             least = cost, best = unit;
     }

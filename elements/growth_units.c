@@ -57,7 +57,7 @@ static void rate_symbols(tz_growth_exemplar *ex)
         used += first;
     }
     ex->symbols = used > 1 && 2 * used <= ex->n;
-    ex->own = used > 4 && used >= 0.8 * ex->n;
+    ex->own = used >= 24 && used >= 0.8 * ex->n;
 }
 
 int32_t tz_growth_count_units(const tz_element_set *set, const tz_growth_texture *t)
