@@ -22,9 +22,11 @@ typedef struct tz_domain {
 static inline tz_vec3 tz_domain_vector(const tz_domain *d, tz_vec3 p, tz_vec3 q)
 {
     tz_vec3 v = {q.x - p.x, q.y - p.y, q.z - p.z};
-    if (d->torus) {
-        v.x -= floor(v.x / d->size.x + 0.5) * d->size.x;
-        v.y -= floor(v.y / d->size.y + 0.5) * d->size.y;
+    if (d->torus) { /* most are near enough already */
+        if (v.x >= 0.5 * d->size.x || v.x < -0.5 * d->size.x)
+            v.x -= floor(v.x / d->size.x + 0.5) * d->size.x;
+        if (v.y >= 0.5 * d->size.y || v.y < -0.5 * d->size.y)
+            v.y -= floor(v.y / d->size.y + 0.5) * d->size.y;
     }
     return v;
 }

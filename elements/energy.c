@@ -47,6 +47,7 @@ void tz_energy_state_deinit(tz_energy_state *t)
     tz_free(ctx, t->owner);
     tz_free(ctx, t->label);
     tz_free(ctx, t->at);
+    tz_free(ctx, t->attribute);
     tz_free(ctx, t->weight);
     tz_free(ctx, t->match);
     tz_free(ctx, t->cost);
@@ -74,6 +75,8 @@ static tz_status reserve(tz_energy_state *t)
         s = tz_alloc(ctx, &t->label, n, sizeof *t->label);
     if (s == TZ_OK)
         s = tz_alloc(ctx, &t->at, n, sizeof *t->at);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &t->attribute, n, sizeof *t->attribute);
     if (s == TZ_OK)
         s = tz_alloc(ctx, &t->weight, n, sizeof *t->weight);
     if (s == TZ_OK)

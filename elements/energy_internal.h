@@ -96,13 +96,14 @@ typedef struct tz_energy_state {
     tz_element_set *set; /**< the output */
     uint64_t seed;
     double border;
-    int32_t shape;   /**< tz_shape */
-    int32_t n;       /**< samples; here they are numbered along the domain's cells */
-    int32_t *sample; /**< number in the set of each */
-    int32_t *place;  /**< the reverse */
-    int32_t *owner;  /**< element */
-    int32_t *label;  /**< in the exemplar, or -1 */
-    tz_vec3 *at;     /**< positions while solving, same as the set's */
+    int32_t shape;      /**< tz_shape */
+    int32_t n;          /**< samples; here they are numbered along the domain's cells */
+    int32_t *sample;    /**< number in the set of each */
+    int32_t *place;     /**< the reverse */
+    int32_t *owner;     /**< element */
+    int32_t *label;     /**< in the exemplar, or -1 */
+    tz_vec3 *at;        /**< positions while solving, same as the set's */
+    tz_vec2 *attribute; /**< of search: of each, in a frame of angle 0 */
     float *weight;
     bool weighted;  /**< some weight is not 1 */
     int32_t *match; /**< exemplar sample, or -1 */

@@ -71,17 +71,24 @@ double tz_energy_inside(const tz_energy_state *t, tz_vec3 at)
 
 /* ---- neighbours ------------------------------------------------------------------ */
 
-static void add_neighbour(quest *k, int32_t id, tz_vec3 v, bool own)
+static void add_neighbour(quest *k, const tz_nearby *v, bool own)
 {
     tz_energy_state *t = k->t;
     tz_pairing_side *s = &k->w->side;
-    const double cosine = k->cosine, sine = k->sine;
-    const tz_element *e = &t->set->element.v[t->owner[id]];
-    const tz_vec2 q = tz_energy_attribute(t->x, e, k->frame);
-    const int32_t label = t->label[id], j = s->n++;
-    s->x[j] = (float)(cosine * v.x + sine * v.y); /* o^-1 of Eq. (7) */
-    s->y[j] = (float)(cosine * v.y - sine * v.x);
-    s->a[j] = (float)q.x, s->b[j] = (float)q.y;
+    const int32_t id = v->id, label = t->label[id], j = s->n++;
+    s->x[j] = v->x, s->y[j] = v->y;
+    s->a[j] = (float)t->attribute[id].x, s->b[j] = (float)t->attribute[id].y;
+    if (k->frame != 0) { /* o^-1 of Eq. (7) */
+        const double cosine = k->cosine, sine = k->sine;
+        const double x = (double)v->x, y = (double)v->y;
+        s->x[j] = (float)(cosine * x + sine * y);
+        s->y[j] = (float)(cosine * y - sine * x);
+        if (t->x->attributes) {
+            const tz_element *e = &t->set->element.v[t->owner[id]];
+            const tz_vec2 q = tz_energy_attribute(t->x, e, k->frame);
+            s->a[j] = (float)q.x, s->b[j] = (float)q.y;
+        }
+    }
     s->l[j] = label < 0 ? -1 : (float)(label + (own ? t->x->labels : 0));
     t->near[(ptrdiff_t)k->o * NEAR + j] = id;
 }
@@ -108,20 +115,20 @@ static void gather(quest *k)
     tz_nearby list[NEAR], *found = k->w->found;
     int32_t n = 0;
     for (int32_t m = e->sample; m < e->sample + e->samples && n < NEAR / 2; m++)
-        if (t->place[m] != k->o)
-            list[n++].id = t->place[m];
+        if (t->place[m] != k->o) {
+            const int32_t id = t->place[m];
+            const tz_vec3 v = tz_domain_vector(&t->set->domain, at, t->at[id]);
+            list[n++] = (tz_nearby){.x = (float)v.x, .y = (float)v.y, .id = id};
+        }
     const int32_t near =
         tz_cells_near(&t->cells, t->at, at, t->x->radius, k->o, found, NEAR);
     for (int32_t m = 0; m < near && n < NEAR; m++)
         if (t->owner[found[m].id] != t->owner[k->o])
-            list[n++].id = found[m].id;
+            list[n++] = found[m];
     sort_ids(list, n);
     k->w->side.n = 0;
-    for (int32_t j = 0; j < n; j++) {
-        const int32_t id = list[j].id;
-        add_neighbour(k, id, tz_domain_vector(&t->set->domain, at, t->at[id]),
-                      t->owner[id] == t->owner[k->o]);
-    }
+    for (int32_t j = 0; j < n; j++)
+        add_neighbour(k, &list[j], t->owner[list[j].id] == t->owner[k->o]);
     t->count[k->o] = n;
     tz_pairing_sort(&k->w->side, k->w->order);
     for (int32_t j = 0; t->weighted && j < n; j++)
@@ -258,8 +265,9 @@ static void search_one(tz_energy_state *t, scratch *w, search_job *job, int32_t 
     quest k = {.t = t, .w = w, .o = o, .best = -1, .cost = INFINITY};
     const tz_element *e = &t->set->element.v[t->owner[o]];
     k.frame = tz_energy_frame(t, t->at[o]);
-    k.cosine = cos(k.frame), k.sine = sin(k.frame);
-    k.q = tz_energy_attribute(t->x, e, k.frame);
+    k.cosine = k.frame != 0 ? cos(k.frame) : 1;
+    k.sine = k.frame != 0 ? sin(k.frame) : 0;
+    k.q = k.frame != 0 ? tz_energy_attribute(t->x, e, k.frame) : t->attribute[o];
     k.border = at_border(t, t->at[o]);
     gather(&k);
     if (w->now == INT32_MAX) {
@@ -302,6 +310,16 @@ static tz_status make_scratch(tz_energy_state *t, scratch **out)
     return s;
 }
 
+static void note_attributes(tz_energy_state *t)
+{
+    for (int32_t i = 0; i < t->set->element.n; i++) {
+        const tz_element *e = &t->set->element.v[i];
+        const tz_vec2 q = tz_energy_attribute(t->x, e, 0);
+        for (int32_t k = e->sample; k < e->sample + e->samples; k++)
+            t->attribute[t->place[k]] = q;
+    }
+}
+
 tz_status tz_energy_search(tz_energy_state *t, int32_t round, double *energy)
 {
     tz_ctx *ctx = t->ctx;
@@ -314,6 +332,7 @@ tz_status tz_energy_search(tz_energy_state *t, int32_t round, double *energy)
     if (s == TZ_OK)
         s = make_scratch(t, &w);
     t->worker = w;
+    note_attributes(t);
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, (t->n + BLOCK - 1) / BLOCK, search_block, &job);
     if (s == TZ_OK) {

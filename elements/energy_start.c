@@ -14,6 +14,8 @@
  *   as the authors' programs do: `tries` = 1. Deviates further: a patch is as large as
  *   its cell, which keeps the density; a thing that the exemplar's border has cut is
  *   replaced by a whole one of its class. */
+#include <stdlib.h>
+
 #include "base/rng.h"
 #include "elements/element_density.h"
 #include "elements/energy_internal.h"
@@ -43,7 +45,8 @@ typedef struct filler {
     double attribute;
     tz_cells source; /* the exemplar's elements */
     tz_vec3 *source_at;
-    tz_vec2 side; /* of a cell of the domain */
+    int32_t *found; /* scratch: of the exemplar's elements */
+    tz_vec2 side;   /* of a cell of the domain */
     int32_t nx, ny;
     int32_t *begin, *end; /* elements of each cell; equal = none yet */
     TZ_ARRAY(tz_energy_forbidden)
@@ -130,6 +133,45 @@ static bool in_patch(const filler *f, int32_t i, tz_vec2 corner, double turn, tz
     return v->x >= 0 && v->y >= 0 && v->x < f->side.x && v->y < f->side.y;
 }
 
+static int by_number(const void *a, const void *b)
+{
+    const int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* Cells of the exemplar along one axis that lo..hi touches: the first, and how many. */
+static int32_t cells_along(double lo, double hi, double side, int32_t n, bool torus,
+                           int32_t *first)
+{
+    const double a = floor(lo / side - 1e-6), b = floor(hi / side + 1e-6);
+    if (torus) {
+        const double begin = tz_domain_wrap_axis(a, n);
+        *first = (int32_t)begin;
+        return (int32_t)fmin(b - a + 1, n);
+    }
+    *first = (int32_t)fmin(fmax(a, 0), n - 1);
+    return (int32_t)fmin(fmax(b, 0), n - 1) - *first + 1;
+}
+
+/* Elements of the exemplar that may lie in a patch, each once, in f->found. */
+static int32_t look_up(filler *f, tz_vec2 corner, tz_vec2 reach)
+{
+    const tz_cells *c = &f->source;
+    const double x = corner.x + 0.5 * (f->side.x - reach.x) - c->origin.x;
+    const double y = corner.y + 0.5 * (f->side.y - reach.y) - c->origin.y;
+    const bool torus = f->from->domain.torus;
+    int32_t x0, y0, n = 0;
+    const int32_t nx = cells_along(x, x + reach.x, c->side.x, c->nx, torus, &x0);
+    const int32_t ny = cells_along(y, y + reach.y, c->side.y, c->ny, torus, &y0);
+    for (int32_t j = 0; j < ny; j++)
+        for (int32_t i = 0; i < nx; i++) {
+            const int32_t cell = (y0 + j) % c->ny * c->nx + (x0 + i) % c->nx;
+            for (int32_t k = c->first.v[cell]; k < c->first.v[cell + 1]; k++)
+                f->found[n++] = c->item.v[k];
+        }
+    return n;
+}
+
 /* Share of a cell that lies inside the region. */
 static double share_of(const filler *f, int32_t cell)
 {
@@ -168,12 +210,16 @@ static tz_status copy_patch(filler *f, tz_vec2 from_corner, int32_t cell, tz_rng
     const tz_element_set *from = f->from;
     const tz_vec2 to = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
     const double turn = turn_of(f, cell);
+    const int32_t n = look_up(f, from_corner, reach_of(f, turn));
     tz_status s = TZ_OK;
     tz_vec2 v;
-    for (int32_t i = 0; i < from->element.n && s == TZ_OK; i++)
+    qsort(f->found, (size_t)n, sizeof *f->found, by_number);
+    for (int32_t k = 0; k < n && s == TZ_OK; k++) {
+        const int32_t i = f->found[k];
         if (in_patch(f, i, from_corner, turn, &v))
             s = place(f, i, (tz_vec3){to.x + v.x, to.y + v.y, from->element.v[i].at.z},
                       r);
+    }
     return s;
 }
 
@@ -277,17 +323,18 @@ static bool aligned(const filler *f, const beside *v, int32_t n, tz_vec2 reach, 
 /* What fits best is often what is dense, since dense patches have something near
  * everything: the more elements there are too many (or few), the more a patch that adds
  * to that costs. In shares, so that 0 = as the exemplar. */
-static double surplus(const filler *f, tz_vec2 corner, int32_t cell, double share)
+static double surplus(filler *f, tz_vec2 corner, int32_t cell, double share)
 {
     const tz_vec3 size = f->from->domain.size;
     const double average = f->from->element.n * f->side.x * f->side.y / (size.x * size.y);
     const double excess = f->to->element.n - f->fixed_n - f->expected;
     const tz_vec2 to = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
     const double turn = turn_of(f, cell);
+    const int32_t n = look_up(f, corner, reach_of(f, turn));
     int32_t here = 0;
     tz_vec2 v;
-    for (int32_t i = 0; i < f->from->element.n; i++)
-        here += in_patch(f, i, corner, turn, &v) &&
+    for (int32_t k = 0; k < n; k++)
+        here += in_patch(f, f->found[k], corner, turn, &v) &&
                 (share == 1 || tz_domain_contains(&f->to->domain,
                                                   (tz_vec3){to.x + v.x, to.y + v.y, 0}));
     /* the first cells say little */
@@ -343,6 +390,8 @@ static tz_status index_exemplar(filler *f)
     const tz_element_set *from = f->from;
     const int32_t n = from->element.n;
     tz_status s = tz_alloc(f->ctx, &f->source_at, (size_t)n, sizeof *f->source_at);
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &f->found, (size_t)n, sizeof *f->found);
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
         f->source_at[i] = from->element.v[i].at;
     return s == TZ_OK ? tz_cells_fill(f->ctx, &f->source, &from->domain, f->source_at, n,
@@ -432,6 +481,7 @@ tz_status tz_energy_fill(tz_ctx *ctx, const tz_element_set *exemplar,
     tz_cells_free(ctx, &f.source);
     tz_free(ctx, f.fixed_at);
     tz_free(ctx, f.source_at);
+    tz_free(ctx, f.found);
     tz_free(ctx, f.begin);
     tz_free(ctx, f.end);
     return s;
