@@ -28,7 +28,7 @@
 
 #define STEP  5.0 /* px, width of superpixels: what is smaller is no thing */
 #define SMALL 8.6 /* log2 px of the middle thing: smaller ones want the double size */
-#define LARGE 9.0 /* the same: larger ones need no more than the size looked at */
+#define LARGE 8.5 /* the same: larger ones need no more than the size looked at */
 #define LEAST_HALVED \
     150000 /* px of a photo: larger ones are looked at in half size first */
 #define MOST_DOUBLED 600000 /* px of a photo */

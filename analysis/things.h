@@ -50,8 +50,10 @@ TZ_API extern const tz_param_table tz_things_param_table;
  * symbol of its own ("thing-1", ...) with photo 0, photo_scale 1, markup "" and photo_at =
  * the element's place; its outline is what is seen of the thing, to 1/4 px, holes as
  * further polygons (even-odd), none of which shows a pixel of another thing. Elements
- * stand by rising depth; angle is 0 and scale 1; long things have several samples along
- * their axis. `cut` is set on what is not to be copied: things that the photo's border
+ * stand by rising depth; scale is 1, and angle 0, since the photo shows each thing as it
+ * lies: how a long thing is turned is read from its samples, which follow its axis from
+ * the left end to the right one (one sample: no axis that matters; so in kinds that are
+ * not `oriented`). `cut` is set on what is not to be copied: things that the photo's border
  * cuts, that others cover (over a tenth or so of them), and doubtful ones (ragged, of the
  * ground's colour, crumbs, not surely things); at least 12 things, or a third of them, the
  * best, are left uncut, where the border does not cut them. A thing that another

@@ -23,7 +23,8 @@ enum {
     CHANNELS = TZ_THINGS_EVEN_CHANNELS,
     FEW = 300,
     COARSEST = 24,
-    MOSTLY = 15 /* px of a patch that are ground */
+    MANY = 500000, /* px of a level, from which on coarser ones must have settled it */
+    MOSTLY = 15    /* px of a patch that are ground */
 };
 
 typedef struct level {
@@ -288,8 +289,9 @@ static void measure(level *l)
         }
 }
 
-/* Each pixel of the hole: mean over the patches that hold it. */
-static tz_status vote(tz_ctx *ctx, level *l)
+/* Each pixel of the hole: mean over the patches that hold it, or over every `step`-th of
+ * them along x and y. */
+static tz_status vote(tz_ctx *ctx, level *l, int32_t step)
 {
     const size_t n = (size_t)l->w * (size_t)l->h;
     float *out = NULL;
@@ -303,8 +305,8 @@ static tz_status vote(tz_ctx *ctx, level *l)
             float sum[CHANNELS] = {0}, weight = 0;
             if (l->known[p])
                 continue;
-            for (int32_t dy = -R; dy <= R; dy++)
-                for (int32_t dx = -R; dx <= R; dx++) {
+            for (int32_t dy = -R; dy <= R; dy += step)
+                for (int32_t dx = -R; dx <= R; dx += step) {
                     const int32_t cx = x + dx, cy = y + dy;
                     const ptrdiff_t c = p + (ptrdiff_t)dy * l->w + dx;
                     if (cx < 0 || cy < 0 || cx >= l->w || cy >= l->h || l->from[c] < 0)
@@ -393,11 +395,11 @@ static tz_status fill_by_patches(plate *f, int32_t top)
             if (tz_ctx_cancelled(f->ctx))
                 return TZ_CANCELLED;
             measure(l);
-            if (!coarse || pixels < 500000) { /* else they are good enough */
+            if (!coarse || pixels < MANY) { /* else they are good enough */
                 search(l, 2 * k, (uint64_t)i);
                 search(l, 2 * k + 1, (uint64_t)i);
             }
-            s = vote(f->ctx, l);
+            s = vote(f->ctx, l, i == 0 && pixels >= MANY ? 2 : 1);
         }
     }
     return s;
