@@ -18,13 +18,51 @@ static bool may_bend(const tz_element_renderer *r, const tz_element *e)
     return tz_symbol_cut(y) || (r->kind == TZ_MAP_COLOUR && y->markup && *y->markup);
 }
 
+/* Rests of symbols, which take long, in parallel: each has a place of its own. */
+typedef struct rest_job {
+    const tz_element_renderer *r;
+    tz_bend_rests *rests;
+    int32_t *first; /* an element of each symbol that may bend, -1 = none */
+} rest_job;
+
+static tz_status find_rest(tz_ctx *ctx, void *arg, int64_t k, int worker)
+{
+    const rest_job *job = arg;
+    tz_bend b;
+    (void)ctx, (void)worker;
+    if (job->first[k] < 0)
+        return TZ_OK;
+    const tz_status s = tz_bend_rests_warp(job->rests, job->first[k], &b);
+    tz_bend_deinit(&b);
+    return s;
+}
+
+static tz_status find_rests(tz_ctx *ctx, const tz_element_renderer *r,
+                            tz_bend_rests *rests)
+{
+    const tz_element_set *set = r->set;
+    rest_job job = {r, rests, NULL};
+    tz_status s = tz_bend_rests_init(ctx, set, rests);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &job.first, (size_t)set->symbol.n, sizeof *job.first);
+    for (int32_t k = 0; k < set->symbol.n && s == TZ_OK; k++)
+        job.first[k] = -1;
+    for (int32_t i = 0; i < set->element.n && s == TZ_OK; i++)
+        if (may_bend(r, &set->element.v[i]))
+            job.first[set->element.v[i].symbol] = i;
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, set->symbol.n, find_rest, &job);
+    tz_free(ctx, job.first);
+    return s;
+}
+
 static tz_status find_bends(tz_ctx *ctx, tz_element_renderer *r)
 {
     const tz_element_set *set = r->set;
     tz_bend_rests rests = {0};
     tz_status s = tz_alloc(ctx, &r->bent_of, (size_t)set->element.n, sizeof *r->bent_of);
     if (s == TZ_OK)
-        s = tz_bend_rests_init(ctx, set, &rests);
+        s = find_rests(ctx, r, &rests);
     for (int32_t i = 0; i < set->element.n && s == TZ_OK; i++) {
         tz_bent one = {.element = i};
         r->bent_of[i] = -1;

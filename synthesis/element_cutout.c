@@ -166,8 +166,8 @@ static tz_f4 from_inside(const tz_cutout *c, const tz_matte *m, const tz_image *
     const double way = l > 1e-6 ? fmax(2.5 - here, 0) / l : 0;
     x += gx * way;
     y += gy * way;
-    return tz_photo_linear(map, (int32_t)floor(x * c->mx), (int32_t)floor(y * c->my),
-                           raw);
+    return tz_photo_linear(map, (int32_t)floor(x * c->mx), (int32_t)floor(y * c->my), raw,
+                           c->tables);
 }
 
 /* Evens the light of a colour. What a camera has clipped stays white: it would turn grey. */
@@ -187,7 +187,7 @@ static tz_f4 over_rim(const tz_cutout *c, tz_f4 f, float g, const tz_image *map,
                       tz_map_kind kind, int32_t mx, int32_t my)
 {
     const bool raw = kind != TZ_MAP_COLOUR;
-    tz_f4 i = tz_photo_linear(map, mx, my, raw);
+    tz_f4 i = tz_photo_linear(map, mx, my, raw, c->tables);
     if (!raw)
         i = evened(i, c->gain, map);
     const float a = f[3];
@@ -220,7 +220,7 @@ static tz_f4 texel_of(const tz_cutout *c, const tz_element_pixels *p, const tz_m
         f = evened((tz_f4){k[0], k[1], k[2], 0}, c->gain, map);
     } else {
         a = over_pixel(m, m->alpha, x, y, sx, sy);
-        f = tz_photo_linear(map, mx, my, raw);
+        f = tz_photo_linear(map, mx, my, raw, c->tables);
         if (a < 1)
             f += (1 - a * a) * (from_inside(c, m, map, x, y, raw) - f);
         f = raw ? f : evened(f, c->gain, map);
@@ -296,7 +296,7 @@ static tz_status encode(tz_ctx *ctx, tz_cutout *c, const tz_image *in, tz_image 
             tz_f4 v = tz_load4(tz_image_at(in, x, y));
             for (int k = 0; k < 3 && v[3] > 0; k++) {
                 float f = v[k] / v[3];
-                f = c->encoded ? tz_srgb_encode(f) : f;
+                f = c->encoded ? tz_tables_encode(c->tables, f) : f;
                 c->lo[k] = f < c->lo[k] ? f : c->lo[k];
                 c->hi[k] = f > c->hi[k] ? f : c->hi[k];
                 v[k] = f * v[3];
@@ -444,19 +444,10 @@ static void sample_row(const tz_source_plane *s, const tz_cutout_view *v, int32_
         w->sum[q] *= 0.25F;
 }
 
-static inline float linear_of(float v, const float *decode)
-{
-    if (!(v >= 0 && v <= 1))
-        return tz_srgb_decode(v);
-    const float u = v * TZ_DECODE;
-    const int32_t i = (int32_t)u;
-    return decode[i] + (u - (float)i) * (decode[i + 1] - decode[i]);
-}
-
 /* A sample as it is blended: within what alpha and range allow (splines overshoot), linear,
  * normals turned; `shade` is the shadow there. */
 static inline tz_f4 settle(tz_f4 v, float shade, const tz_cutout *c, tz_map_kind kind,
-                           const float *turn, const float *decode)
+                           const float *turn, const tz_tables *tables)
 {
     const float least = 1.0F / 2048;
     const float a = v[3] < least ? 0 : v[3] > 1 ? 1 : v[3];
@@ -474,7 +465,7 @@ static inline tz_f4 settle(tz_f4 v, float shade, const tz_cutout *c, tz_map_kind
     }
     for (int k = 0; k < 3; k++) {
         const float f = v[k] < c->lo[k] ? c->lo[k] : v[k] > c->hi[k] ? c->hi[k] : v[k];
-        out[k] = a * (c->encoded ? linear_of(f, decode) : f);
+        out[k] = a * (c->encoded ? tz_tables_decode(tables, f) : f);
     }
     return out;
 }
@@ -521,7 +512,7 @@ void tz_cutout_run(const tz_cutout *c, const tz_cutout_view *v, tz_map_kind kind
         tz_f4 *px = layer->px + (int64_t)(y - r.y) * TZ_ELEMENT_TILE - r.x;
         for (int32_t x = from; x < to; x++) {
             const float dark = c->shaded ? w->row[x - from] : 0;
-            const tz_f4 t = settle(w->sum[x - from], dark, c, kind, v->turn, w->decode);
+            const tz_f4 t = settle(w->sum[x - from], dark, c, kind, v->turn, w->tables);
             if (t[3] > 0)
                 tz_layer_over(&px[x], t);
         }

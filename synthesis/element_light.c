@@ -42,7 +42,7 @@ void tz_photo_find_light(const tz_element_pixels *p, tz_photo_light *l)
             double sum = 0, n = 0;
             for (int32_t y = y0; y < y1; y += dy)
                 for (int32_t x = x0; x < x1; x += dx, n++) {
-                    const tz_f4 v = tz_photo_linear(im, x, y, false);
+                    const tz_f4 v = tz_photo_linear(im, x, y, false, NULL);
                     sum += colours < 3 ? v[0]
                                        : 0.2126F * v[0] + 0.7152F * v[1] + 0.0722F * v[2];
                 }

@@ -18,10 +18,15 @@
 
 #include "synthesis/element_render_internal.h"
 
-enum { WINDOW = 6 }; /* px about a pixel in which inside and outside are looked at */
+enum {
+    WINDOW = 6,
+    SPAN = 2 * WINDOW + 1
+}; /* px about a pixel in which inside and outside are looked at */
 
-tz_f4 tz_photo_linear(const tz_image *photo, int32_t x, int32_t y, bool raw)
+tz_f4 tz_photo_linear(const tz_image *photo, int32_t x, int32_t y, bool raw,
+                      const tz_tables *t)
 {
+    const bool plain = raw || photo->encoding != TZ_ENCODING_SRGB;
     const int32_t colours = photo->channels - (photo->alpha >= 0);
     tz_f4 v = {0};
     x = x < 0 ? 0 : x < photo->width ? x : photo->width - 1;
@@ -29,8 +34,7 @@ tz_f4 tz_photo_linear(const tz_image *photo, int32_t x, int32_t y, bool raw)
     const float *p = tz_image_at(photo, x, y);
     for (int32_t k = 0, c = 0; k < photo->channels && c < 3 && c < colours; k++)
         if (k != photo->alpha)
-            v[c++] =
-                raw || photo->encoding != TZ_ENCODING_SRGB ? p[k] : tz_srgb_decode(p[k]);
+            v[c++] = plain ? p[k] : t ? tz_tables_decode(t, p[k]) : tz_srgb_decode(p[k]);
     return v;
 }
 
@@ -178,7 +182,18 @@ typedef struct border {
     const tz_matte *m;
     const tz_f4 *photo; /* linear, box */
     float matte;
+    float bump[SPAN * SPAN]; /* weights of the window */
 } border;
+
+/* A smooth bump: no exp, the same on every machine. */
+static void find_bump(border *b)
+{
+    for (int32_t v = -WINDOW; v <= WINDOW; v++)
+        for (int32_t u = -WINDOW; u <= WINDOW; u++) {
+            const float t = 1 - (float)(u * u + v * v) / (2 * WINDOW * WINDOW);
+            b->bump[(v + WINDOW) * SPAN + u + WINDOW] = t > 0 ? t * t : 0;
+        }
+}
 
 /* What lies at least `deep` px inside and outside within the window. */
 static bool find_sides(const border *b, int32_t x, int32_t y, float deep, side *in,
@@ -186,19 +201,16 @@ static bool find_sides(const border *b, int32_t x, int32_t y, float deep, side *
 {
     const tz_matte *m = b->m;
     *in = *out = (side){0};
-    for (int32_t v = y - WINDOW; v <= y + WINDOW; v++)
-        for (int32_t u = x - WINDOW; u <= x + WINDOW; u++) {
-            if (u < 0 || v < 0 || u >= m->box.w || v >= m->box.h)
-                continue;
+    const int32_t x0 = x > WINDOW ? x - WINDOW : 0, y0 = y > WINDOW ? y - WINDOW : 0;
+    const int32_t x1 = x + WINDOW < m->box.w ? x + WINDOW : m->box.w - 1,
+                  y1 = y + WINDOW < m->box.h ? y + WINDOW : m->box.h - 1;
+    for (int32_t v = y0; v <= y1; v++)
+        for (int32_t u = x0; u <= x1; u++) {
             const int64_t at = (int64_t)v * m->box.w + u;
             const float d = m->distance[at];
-            if (fabsf(d) < deep || b->photo[at][3] <= 0)
-                continue;
-            const float r2 = (float)((u - x) * (u - x) + (v - y) * (v - y));
-            /* a smooth bump: no exp, the same on every machine */
-            const float t = 1 - r2 / (2 * WINDOW * WINDOW);
-            if (t > 0)
-                add_sample(d > 0 ? in : out, t * t, b->photo[at]);
+            const float w = b->bump[(v - y + WINDOW) * SPAN + u - x + WINDOW];
+            if (fabsf(d) >= deep && b->photo[at][3] > 0 && w > 0)
+                add_sample(d > 0 ? in : out, w, b->photo[at]);
         }
     const bool inner = settle(in), outer = settle(out);
     return inner && outer;
@@ -294,12 +306,13 @@ tz_status tz_matte_init(tz_ctx *ctx, const tz_element_symbol *y, int32_t number,
         for (int32_t u = 0; u < m->box.w; u++) {
             const int64_t at = (int64_t)v * m->box.w + u;
             const int32_t px = m->box.x + u, py = m->box.y + v;
-            photo[at] = tz_photo_linear(p->photo, px, py, false);
+            photo[at] = tz_photo_linear(p->photo, px, py, false, p->tables);
             photo[at][3] = opacity(p->photo, px, py);
             for (int k = 0; k < 3; k++)
                 m->colour[3 * at + k] = photo[at][k];
         }
-    const border b = {m, photo, matte};
+    border b = {m, photo, matte, {0}};
+    find_bump(&b);
     for (int32_t v = 0; v < m->box.h && matte > 0; v++)
         for (int32_t u = 0; u < m->box.w; u++) {
             const int64_t at = (int64_t)v * m->box.w + u;

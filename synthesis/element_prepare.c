@@ -178,6 +178,7 @@ static tz_status prepare_cutout(tz_ctx *ctx, void *arg, int64_t i, int worker)
     if (r->params.harmonise > 0 && r->kind == TZ_MAP_COLOUR)
         c->gain = tz_photo_gain(&job->light[y->photo], p->photo, y->photo_at,
                                 r->params.harmonise);
+    c->tables = r->tables;
     tz_status s =
         tz_matte_init(ctx, y, (int32_t)i, &job->matte[y->photo], &r->params, c->rim, &m);
     if (s == TZ_OK)
@@ -198,7 +199,8 @@ static tz_status prepare_photo(tz_ctx *ctx, tz_element_renderer *r, int32_t k,
                           set->symbol.v[i].photo == k);
     if (!p->photo || !shows)
         return TZ_OK;
-    *m = (tz_matte_photo){.photo = p->photo, .plate = p->plate, .rim = r->params.rim};
+    *m = (tz_matte_photo){
+        .photo = p->photo, .plate = p->plate, .rim = r->params.rim, .tables = r->tables};
     if (r->params.harmonise > 0 && r->kind == TZ_MAP_COLOUR)
         tz_photo_find_light(p, l);
     m->shadows = p->plate && r->params.shadow > 0 && r->kind == TZ_MAP_COLOUR;
@@ -288,9 +290,12 @@ tz_status tz_element_renderer_new(tz_ctx *ctx, const tz_element_set *set,
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &r->cutout, symbols, sizeof *r->cutout);
     if (s == TZ_OK)
-        s = tz_alloc(ctx, &r->decode, TZ_DECODE + 2, sizeof *r->decode);
-    for (int k = 0; k < TZ_DECODE + 2 && s == TZ_OK; k++)
-        r->decode[k] = tz_srgb_decode((float)k / TZ_DECODE);
+        s = tz_alloc(ctx, &r->tables, 1, sizeof *r->tables);
+    for (int k = 0; k < TZ_TABLE + 2 && s == TZ_OK; k++) {
+        const float v = (float)k / TZ_TABLE;
+        r->tables->decode[k] = tz_srgb_decode(v);
+        r->tables->encode[k] = tz_srgb_encode(v * v);
+    }
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, set->symbol.n + 1, prepare_drawing, r);
     if (s == TZ_OK)
@@ -322,7 +327,7 @@ void tz_element_renderer_free(tz_element_renderer *r)
     tz_bent_deinit(ctx, r);
     tz_showing_index_deinit(ctx, &r->index);
     tz_free(ctx, r->cutout);
-    tz_free(ctx, r->decode);
+    tz_free(ctx, r->tables);
     tz_free(ctx, r->drawing);
     tz_free(ctx, r->used);
     tz_free(ctx, r);

@@ -34,7 +34,7 @@ static tz_status work_init(tz_ctx *ctx, const job *b, tz_layer_work *w)
     tz_status s = TZ_OK;
     if (w->layer.px)
         return s;
-    w->decode = b->r->decode;
+    w->tables = b->r->tables;
     s = tz_alloc(ctx, &w->row, 4 * (size_t)TILE, sizeof *w->row);
     if (s == TZ_OK)
         s = tz_alloc(ctx, &w->sum, TILE, sizeof *w->sum);

@@ -19,6 +19,31 @@
 #include "synthesis/element_render.h"
 #include "synthesis/element_vector_module.h"
 
+enum { TZ_TABLE = 4096 };
+
+/** sRGB and linear light of 0..1 by chords of tables: 1e-6 off at most. */
+typedef struct tz_tables {
+    float decode[TZ_TABLE + 2]; /**< linear light of sRGB k / TZ_TABLE */
+    float encode[TZ_TABLE + 2]; /**< sRGB of the square of k / TZ_TABLE */
+} tz_tables;
+
+static inline float tz_tables_decode(const tz_tables *t, float v)
+{
+    if (!(v >= 0 && v <= 1))
+        return tz_srgb_decode(v);
+    const float u = v * TZ_TABLE;
+    const int32_t i = (int32_t)u;
+    return t->decode[i] + (u - (float)i) * (t->decode[i + 1] - t->decode[i]);
+}
+static inline float tz_tables_encode(const tz_tables *t, float v)
+{
+    if (!(v > 0.004F && v <= 1)) /* below, sRGB is straight and its root is not */
+        return tz_srgb_encode(v);
+    const float u = sqrtf(v) * TZ_TABLE;
+    const int32_t i = (int32_t)u;
+    return t->encode[i] + (u - (float)i) * (t->encode[i + 1] - t->encode[i]);
+}
+
 /** Rectangle of real numbers; empty where x0 > x1. */
 typedef struct tz_bounds {
     double x0, y0, x1, y1;
@@ -51,12 +76,10 @@ typedef struct tz_layer_work {
     point; /**< flattened */
     TZ_ARRAY(bool)
     smooth;
-    const float *decode; /**< linear light of sRGB k / TZ_DECODE */
+    const tz_tables *tables;
     const tz_vector_api *api;
     float decoded[256]; /**< linear light of sRGB k / 255, set along with api */
 } tz_layer_work;
-
-enum { TZ_DECODE = 4096 };
 
 /** Source over: (colour, alpha) premultiplied. */
 static inline void tz_layer_over(tz_f4 *at, tz_f4 v) { *at = v + *at * (1 - v[3]); }
@@ -97,8 +120,10 @@ tz_status tz_drawing_draw(tz_ctx *ctx, const tz_drawing *d, int32_t number, tz_a
 
 /* ---- photos -------------------------------------------------------------------------- */
 
-/** Linear colour of a photo's pixel (nearest inside) in 3 lanes; raw: as it is. */
-tz_f4 tz_photo_linear(const tz_image *photo, int32_t x, int32_t y, bool raw);
+/** Linear colour of a photo's pixel (nearest inside) in 3 lanes; raw: as it is.
+ * @param t  NULL = slowly and exactly */
+tz_f4 tz_photo_linear(const tz_image *photo, int32_t x, int32_t y, bool raw,
+                      const tz_tables *t);
 /** Channels without alpha. */
 static inline int32_t tz_photo_colours(const tz_image *im)
 {
@@ -143,6 +168,7 @@ typedef struct tz_matte_photo {
     bool sized;     /**< small things have narrower ones */
     float gap_lo[3], gap_hi[3]; /**< how most of what lies between things looks */
     bool shadows;               /**< kept */
+    const tz_tables *tables;
 } tz_matte_photo;
 
 /** A point of a symbol in its photo, px. */
@@ -192,6 +218,7 @@ typedef struct tz_cutout {
     float gain;      /**< on colour, evens the light */
     double rim;      /**< photo px */
     tz_bounds local; /**< box in the symbol's units */
+    const tz_tables *tables;
     bool empty;
 } tz_cutout;
 
@@ -259,7 +286,7 @@ struct tz_element_renderer {
     bool *used;          /**< per symbol */
     tz_drawing *drawing; /**< per symbol, and the background */
     tz_cutout *cutout;   /**< per symbol */
-    float *decode;       /**< TZ_DECODE + 2 values: linear light of sRGB */
+    tz_tables *tables;
     int32_t *bent_of; /**< per element: index into bent, -1 = plain; NULL = all plain */
     TZ_ARRAY(tz_bent)
     bent;

@@ -69,7 +69,7 @@ static void look_of(tz_f4 f, float v[3])
 static void note_look(const tz_matte_photo *p, double x, double y, rays *r)
 {
     float v[3];
-    look_of(tz_photo_linear(p->photo, (int32_t)x, (int32_t)y, false), v);
+    look_of(tz_photo_linear(p->photo, (int32_t)x, (int32_t)y, false, p->tables), v);
     for (int k = 0; k < 3; k++)
         r->seen[k][(int)(v[k] * (TONES - 1))]++;
 }

@@ -16,9 +16,12 @@ static float luminance(tz_f4 v, int32_t colours)
     return colours < 3 ? v[0] : 0.2126F * v[0] + 0.7152F * v[1] + 0.0722F * v[2];
 }
 
+enum { WIDEST = 6, SPAN = 2 * WIDEST + 1 };
+
 /* What is seen of the ground. */
 typedef struct ground {
-    float *photo, *plate; /* luminance; plate < 0 = not seen */
+    float bump[WIDEST + 1][SPAN * SPAN]; /* weights of means, by radius */
+    float *photo, *plate;                /* luminance; plate < 0 = not seen */
 } ground;
 
 static bool ground_seen(const tz_matte *m, const tz_matte_photo *p, int32_t x, int32_t y)
@@ -36,24 +39,33 @@ static bool ground_seen(const tz_matte *m, const tz_matte_photo *p, int32_t x, i
     return !p->label[(int64_t)v * w + u];
 }
 
+static void find_bumps(ground *g)
+{
+    for (int32_t r = 1; r <= WIDEST; r++)
+        for (int32_t v = -r; v <= r; v++)
+            for (int32_t u = -r; u <= r; u++) {
+                const float t = 1 - (float)(u * u + v * v) / (float)(r * r + r + 1);
+                g->bump[r][(v + WIDEST) * SPAN + u + WIDEST] = t > 0 ? t * t * t : 0;
+            }
+}
+
 /* Share of light that the ground near (x, y) lacks, from means about `r` px wide; below 0
  * where it is lighter than the plate. */
 static float lacking(const tz_matte *m, const ground *g, int32_t x, int32_t y, int32_t r)
 {
     float photo = 0, plate = 0;
-    for (int32_t v = y - r; v <= y + r; v++)
-        for (int32_t u = x - r; u <= x + r; u++) {
-            if (u < 0 || v < 0 || u >= m->box.w || v >= m->box.h)
+    const int32_t x0 = x > r ? x - r : 0, x1 = x + r < m->box.w ? x + r : m->box.w - 1,
+                  y0 = y > r ? y - r : 0, y1 = y + r < m->box.h ? y + r : m->box.h - 1;
+    for (int32_t v = y0; v <= y1; v++) {
+        const float *w = g->bump[r] + (v - y + WIDEST) * SPAN + WIDEST;
+        const int64_t row = (int64_t)v * m->box.w;
+        for (int32_t u = x0; u <= x1; u++) {
+            if (g->plate[row + u] < 0)
                 continue;
-            const int64_t at = (int64_t)v * m->box.w + u;
-            if (g->plate[at] < 0)
-                continue;
-            const float t = 1 - (float)((u - x) * (u - x) + (v - y) * (v - y)) /
-                                    (float)(r * r + r + 1);
-            const float w = t > 0 ? t * t * t : 0;
-            photo += w * g->photo[at];
-            plate += w * g->plate[at];
+            photo += w[u - x] * g->photo[row + u];
+            plate += w[u - x] * g->plate[row + u];
         }
+    }
     if (!(plate > 1e-6F))
         return 0;
     const float dark = 1 - (photo + 1e-4F) / (plate + 1e-4F);
@@ -91,6 +103,7 @@ tz_status tz_matte_shade(tz_ctx *ctx, const tz_matte_photo *p, const tz_f4 *phot
     if (s != TZ_OK)
         return s;
     g.plate = g.photo + n;
+    find_bumps(&g);
     for (int32_t y = 0; y < m->box.h; y++)
         for (int32_t x = 0; x < m->box.w; x++) {
             const int64_t at = (int64_t)y * m->box.w + x;
@@ -99,14 +112,18 @@ tz_status tz_matte_shade(tz_ctx *ctx, const tz_matte_photo *p, const tz_f4 *phot
                 continue;
             g.photo[at] = luminance(photo[at], colours);
             g.plate[at] = luminance(
-                tz_photo_linear(p->plate, m->box.x + x, m->box.y + y, false), colours);
+                tz_photo_linear(p->plate, m->box.x + x, m->box.y + y, false, p->tables),
+                colours);
         }
     for (int32_t y = 0; y < m->box.h; y++)
         for (int32_t x = 0; x < m->box.w; x++) {
             const int64_t at = (int64_t)y * m->box.w + x;
             const float d = -m->distance[at];
             if (d < band && m->alpha[at] < 1)
-                m->shade[at] = lacking(m, &g, x, y, d < 3 ? 3 : d < 6 ? (int32_t)d : 6);
+                m->shade[at] = lacking(m, &g, x, y,
+                                       d < 3        ? 3
+                                       : d < WIDEST ? (int32_t)d
+                                                    : WIDEST);
         }
     const float grain = grain_of(m, band);
     for (int64_t i = 0; i < n; i++) {
