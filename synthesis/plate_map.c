@@ -84,13 +84,14 @@ static void close_levels(tz_ctx *ctx, job *b)
 
 static void colour_of(const tz_image *im, int32_t x, int32_t y, float v[3])
 {
-    const int32_t colours = im->channels - (im->alpha >= 0);
     const float *p = tz_image_at(im, x, y);
-    for (int32_t k = 0, c = 0; k < im->channels && c < 3; k++)
+    int32_t n = 0;
+    v[0] = 0;
+    for (int32_t k = 0; k < im->channels && n < 3; k++)
         if (k != im->alpha)
-            v[c++] = p[k];
-    for (int32_t c = colours; c < 3; c++)
-        v[c] = v[0];
+            v[n++] = p[k];
+    for (; n < 3; n++)
+        v[n] = v[0];
 }
 
 /* Whether photo and plate show the same about (x, y): within 3 x 3 px they differ by one
@@ -100,7 +101,7 @@ static bool same_at(const job *b, int32_t x, int32_t y)
     float mean[3] = {0}, square = 0, n = 0;
     for (int32_t v = y - 1; v <= y + 1; v++)
         for (int32_t u = x - 1; u <= x + 1; u++) {
-            float p[3], q[3];
+            float p[3] = {0}, q[3] = {0};
             if (u < 0 || v < 0 || u >= b->photo->width || v >= b->photo->height)
                 continue;
             colour_of(b->photo, u, v, p);
