@@ -115,6 +115,13 @@ static void reattach(tz_curve_set *s, tz_curve_piece *p, int32_t from, int32_t t
     }
 }
 
+/* Shrinks a piece to a node. */
+static void collapse(const tz_curve_set *s, tz_curve_piece *p, int32_t node)
+{
+    p->from = p->to = node;
+    p->a = p->b = s->node.v[node];
+}
+
 /* Whether a piece returns to its node without getting farther off than `least`. */
 static bool vanishes(const tz_curve_set *s, const tz_curve_piece *p, double least)
 {
@@ -169,9 +176,15 @@ static tz_status merge_nodes(tz_curve_work *w, double reach, bool ends_only)
         const tz_curve_path *p = &s->path.v[i];
         const int32_t last = p->piece + p->pieces - 1;
         const tz_bezier b = tz_curve_bezier(s, &s->piece.v[last]);
-        /* a short path is not to be closed upon itself */
-        if (ends_only && !p->closed && w->along[last] + tz_bezier_length(&b) < 4 * reach)
+        const int32_t from = s->piece.v[p->piece].from, end = s->piece.v[last].to;
+        const double length = w->along[last] + tz_bezier_length(&b);
+        if (ends_only && !p->closed && to[from] == to[end] && length < 4 * reach) {
+            /* a dot stays; what bridges nothing but a gap that is closed goes */
+            const bool alone = to[from] == from || to[from] == end;
+            for (int32_t k = p->piece; k <= last && !alone; k++)
+                collapse(s, &s->piece.v[k], to[from]);
             continue;
+        }
         for (int32_t k = p->piece; k <= last; k++)
             reattach(s, &s->piece.v[k], to[s->piece.v[k].from], to[s->piece.v[k].to]);
         s->path.v[i].closed = s->piece.v[p->piece].from == s->piece.v[last].to;
@@ -575,12 +588,12 @@ tz_status tz_curve_join(tz_ctx *ctx, const tz_curve_set *from,
     if (s == TZ_OK)
         s = tz_curve_set_like(ctx, from, NULL, &out);
     if (s == TZ_OK)
-        s = copy_paths(ctx, from, &w.set);
-    if (s == TZ_OK && from->path.n > 0)
+        s = copy_paths(ctx, from, p->only_chain ? &cut : &w.set);
+    if (s == TZ_OK && w.set.path.n > 0)
         s = merge_and_cut(&w, &cut);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &gone, (size_t)cut.piece.n, sizeof *gone);
-    if (s == TZ_OK)
+    if (s == TZ_OK && !p->only_chain)
         s = find_twice(&w, &cut, gone);
     for (int32_t i = 0; i < cut.node.n && s == TZ_OK; i++)
         s = tz_array_push(ctx, &out.node, cut.node.v[i]);

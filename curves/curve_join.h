@@ -9,12 +9,13 @@
 
 /** All zero: by itself, crossings stay crossings. */
 typedef struct tz_curve_join_params {
-    double reach;   /**< an end this near to another end or path joins it, user units;
+    double reach;    /**< an end this near to another end or path joins it, user units;
                          0 = half of the median width of the pens, at most 1 % of the
                          diagonal */
-    double same;    /**< points this near are one; 0 = 1e-6 of the diagonal */
-    bool crossings; /**< where paths cross they are joined by a node, too */
-    bool keep_ends; /**< paths are not chained to longer ones */
+    double same;     /**< points this near are one; 0 = 1e-6 of the diagonal */
+    bool crossings;  /**< where paths cross they are joined by a node, too */
+    bool keep_ends;  /**< paths are not chained to longer ones */
+    bool only_chain; /**< nothing is moved, cut or dropped: paths are only chained */
 } tz_curve_join_params;
 
 /** The paths of `from`, joined. Straight pieces stay straight; no point moves farther than

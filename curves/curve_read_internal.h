@@ -9,15 +9,10 @@
 
 /** Centre lines of a filled shape, where it is long and thin, as paths of `to`.
  * @param most  widest stroke that is taken for one, user units
- * @param[out] taken  whether it was; else nothing has been added
- * @return TZ_OK; TZ_LIMIT; TZ_NOMEM */
+ * @param[out] taken  whether any of it was; else nothing has been added
+ * @return TZ_OK; TZ_LIMIT; TZ_NOMEM; TZ_CANCELLED
+ * @cost O(pixels) at six pixels across the mean stroke */
 tz_status tz_curve_centre_lines(tz_element_reader *r, const tz_part *p, double most,
                                 tz_curve_set *to, bool *taken);
-
-/** Appends points as smooth cubics, corners kept.
- * @param p  n >= 2 points, closed where the last is the first again
- * @param tolerance  farthest that a point may lie off */
-tz_status tz_curve_fit(tz_curve_set *to, const tz_vec2 *p, int32_t n, double tolerance,
-                       int32_t from, int32_t end);
 
 #endif

@@ -429,18 +429,19 @@ static tz_status sort_turns(sampler *k)
 
 /* ---- all --------------------------------------------------------------------------- */
 
-/* Samples of discrete elements lie as they do in their set. */
+/* Samples of discrete elements lie as they do in their set; kinds are told by their q. */
 static tz_status add_elements(tz_ctx *ctx, const tz_element_set *e, tz_sample_graph *g)
 {
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < e->element.n && s == TZ_OK; i++)
         for (int32_t k = 0; k < e->element.v[i].samples && s == TZ_OK; k++) {
             const tz_sample *p = &e->sample.v[e->element.v[i].sample + k];
-            s = tz_array_push(ctx, &g->sample,
-                              ((tz_curve_sample){.at = {p->at.x, p->at.y},
-                                                 .q = p->id < 0 ? 0 : p->id,
-                                                 .element = i,
-                                                 .existence = 1}));
+            const int32_t id = p->id < 0 || p->id > 1023 ? 1023 : p->id;
+            const int32_t q = (e->element.v[i].kind & 0xfffff) << 10 | id;
+            s = tz_array_push(
+                ctx, &g->sample,
+                ((tz_curve_sample){
+                    .at = {p->at.x, p->at.y}, .q = q, .element = i, .existence = 1}));
         }
     return s;
 }

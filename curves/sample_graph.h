@@ -18,7 +18,7 @@ enum {
  * graph.turn[turn .. turn + turns - 1]; in exemplars links = turns and they go together. */
 typedef struct tz_curve_sample {
     tz_vec2 at;
-    int32_t q;           /**< TZ_SAMPLE_CURVE, or of a sample within its element */
+    int32_t q; /**< TZ_SAMPLE_CURVE, or kind << 10 | id of an element's sample */
     int32_t link, links; /**< its edges */
     int32_t turn, turns; /**< its orientations */
     int32_t element;     /**< that it is part of; -1 = of a curve */
