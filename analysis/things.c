@@ -26,9 +26,10 @@
 #include "analysis/things_picture.h"
 #include "analysis/things_plate.h"
 
-#define STEP  5.0 /* px, width of superpixels: what is smaller is no thing */
-#define SMALL 8.6 /* log2 px of the middle thing: smaller ones want the double size */
-#define LARGE 8.5 /* the same: larger ones need no more than the size looked at */
+#define STEP   5.0 /* px, width of superpixels: what is smaller is no thing */
+#define SMALL  8.6 /* log2 px of the middle thing: smaller ones want the double size */
+#define LARGE  9.0 /* the same: larger ones need no more than the size looked at */
+#define ENOUGH 8.5 /* the same in photos of more than MOST_DOUBLED px, for speed */
 #define LEAST_HALVED \
     150000 /* px of a photo: larger ones are looked at in half size first */
 #define MOST_DOUBLED 600000 /* px of a photo */
@@ -247,7 +248,8 @@ static tz_status look_around(work *k)
         return look_at(k, 2);
     if (detail == TZ_THINGS_AUTO && pixels > LEAST_HALVED)
         s = look_at(k, 0.5);
-    if (s != TZ_OK || (sizes->known && sizes->middle > LARGE))
+    if (s != TZ_OK ||
+        (sizes->known && sizes->middle > (pixels > MOST_DOUBLED ? ENOUGH : LARGE)))
         return s;
     s = look_at(k, 1);
     if (s == TZ_OK && detail == TZ_THINGS_AUTO && pixels <= MOST_DOUBLED &&

@@ -122,6 +122,43 @@ static void the_plate_is_as_asked(void **state)
     end_ctx(ctx);
 }
 
+/* ---- kinds ---------------------------------------------------------------------------- */
+
+/* Discs of one colour: of two sizes they are two kinds, of sizes between them one. */
+static void heaps_of_sizes_are_kinds(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(2);
+    for (int heaps = 0; heaps < 2; heaps++) {
+        tz_image im;
+        ok(ctx, tz_image_init(ctx, &im, SIDE, SIDE, 1));
+        im.encoding = TZ_ENCODING_SRGB;
+        for (int32_t y = 0; y < SIDE; y++) {
+            tz_rng g = tz_rng_make(4, (uint64_t)y);
+            for (int32_t x = 0; x < SIDE; x++) {
+                const int32_t cx = x / 53, cy = y / 53, i = cy * 6 + cx;
+                const double far = hypot(x - 53 * cx - 26.5, y - 53 * cy - 26.5);
+                const double r = heaps ? (i % 2 ? 20 : 13) : 13 + 7 * (i * 7 % 36) / 35.0;
+                *tz_image_at(&im, x, y) = (cx < 6 && cy < 6 && far < r ? 0.75F : 0.25F) +
+                                          (float)(0.012 * tz_rng_normal(&g));
+            }
+        }
+        result r = find(ctx, im, TZ_THINGS_PLATE_PHOTO);
+        const tz_element *small = at(&r.set, 26.5, 26.5), *large = at(&r.set, 79.5, 26.5);
+        if (heaps) {
+            assert_true(r.set.kind.n >= 2 && r.set.kind.n <= 4);
+            assert_true(small->kind != large->kind);
+        } else {
+            for (int32_t i = 0; i < 36; i++)
+                assert_int_equal(
+                    at(&r.set, 53 * (i % 6) + 26.5, 53 * (i / 6) + 26.5)->kind,
+                    small->kind);
+        }
+        drop(&r);
+    }
+    end_ctx(ctx);
+}
+
 /* ---- ground -------------------------------------------------------------------------- */
 
 /* Narrow joints of one colour, and a wide patch of another that no label covers. */
@@ -227,6 +264,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(covered_things_are_not_copied),
         cmocka_unit_test(the_plate_is_as_asked),
+        cmocka_unit_test(heaps_of_sizes_are_kinds),
         cmocka_unit_test(missed_things_are_no_ground),
         cmocka_unit_test(slopes_are_evened),
         cmocka_unit_test(pictures_of_things_are_told),
