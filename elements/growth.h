@@ -6,6 +6,11 @@
  * left out) are found automatically. An exemplar of fewer than five elements, or of
  * elements in one row, is read as a tile that repeats with its domain.
  *
+ * Shapes keep apart by where they touch (elements/extent.h), as near as the exemplar's do.
+ * Where each element has a symbol of its own, as in photos, alike ones take turns, and
+ * copies of one keep far apart. Discs between the shapes get no wider than the exemplar's
+ * widest, as far as anything fits or can be moved there.
+ *
  * The output's domain is followed: elements stand inside its region, neighbourhoods and
  * elements turn with its frames, zones admit kinds.
  * @source [Dav19] Sec. 4 and 5 but 5.7 and 5.8; local frames [Ma11] Eq. (7). Deviations

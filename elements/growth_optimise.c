@@ -18,8 +18,11 @@
 enum { SWEEPS = 4 };
 static const float own_weight = 0.5F; /* as in the authors' code */
 static const float old_weight = 12;   /* of what is not of this round */
-static const float farthest = 0.2F;   /* move in a round, spacings */
-static const double least = 5e-3;     /* of that: less is not worth a move */
+/* Cost at which a match is trusted by half: where blocks of the exemplar meet badly,
+ * what their seam predicts would spoil what has been copied well. */
+static const float unsure = 0.1F;
+static const float farthest = 0.2F; /* move in a round, spacings */
+static const double least = 5e-3;   /* of that: less is not worth a move */
 
 /* ---- predictions ----------------------------------------------------------------- */
 
@@ -31,7 +34,7 @@ typedef struct prediction {
 
 /* Eq. (4): Gaussian of the errors' own distribution; a neighbour whose error is unlike
  * the others' has moved for reasons of its own. */
-static void weigh(prediction *p, int32_t n, float spacing)
+static void weigh(prediction *p, int32_t n, float spacing, float trust)
 {
     float mx = 0, my = 0;
     const float floor2 = 0.0025F * spacing * spacing; /* keeps C regular */
@@ -46,7 +49,7 @@ static void weigh(prediction *p, int32_t n, float spacing)
     for (int32_t i = 0; i < n; i++) {
         const float x = p[i].ex - mx, y = p[i].ey - my;
         const float q = (c * x * x - 2 * b * x * y + a * y * y) / det;
-        p[i].weight = expf(-0.5F * q);
+        p[i].weight = trust * expf(-0.5F * q);
     }
 }
 
@@ -60,7 +63,8 @@ static int32_t predict(tz_growth *g, int32_t spot, tz_growth_view *view, predict
     const tz_growth_exemplar *ex = &g->ex[q->texture];
     tz_growth_look(g, q->x, q->y, ex->unit[q->match].view, spot, view);
     q->match = tz_growth_nearest(ex, q->match, view);
-    tz_growth_match(ex, q->match, view->v, view->n, INFINITY, &used, pair);
+    const float cost =
+        tz_growth_match(ex, q->match, view->v, view->n, INFINITY, &used, pair);
     const tz_growth_unit *u = &ex->unit[q->match];
     q->first = 0;
     for (int32_t i = 0; i < view->n; i++) {
@@ -73,7 +77,7 @@ static int32_t predict(tz_growth *g, int32_t spot, tz_growth_view *view, predict
         p[n++] = (prediction){view->v[i].spot, (float)e.x, (float)e.y, 0};
     }
     if (n)
-        weigh(p, n, u->spacing);
+        weigh(p, n, u->spacing, unsure / (unsure + cost));
     return n;
 }
 
