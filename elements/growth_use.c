@@ -135,7 +135,7 @@ int32_t tz_growth_show(tz_growth *g, int32_t texture, int32_t unit, double x, do
     const tz_growth_exemplar *ex = &g->ex[texture];
     const tz_growth_unit *u = &ex->unit[unit];
     const tz_vec3 at = tz_domain_wrap(&g->out->domain, (tz_vec3){x, y, 0});
-    float cost[TZ_GROWTH_OTHERS];
+    float cost[TZ_GROWTH_OTHERS] = {0};
     if (u->others < 1)
         return unit;
     const float due = (float)g->counted[texture] / (float)ex->n + 1;
