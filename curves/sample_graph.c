@@ -25,7 +25,7 @@
 #define MAX_SAMPLES 4000000
 #define WINDOW      0.1  /* of the spacing: a corner's */
 #define APART       0.25 /* of the spacing: corners */
-#define TANGENT     0.06 /* of the spacing: way that a tangent is measured over */
+#define TANGENT     0.2  /* of the spacing: way that a tangent is measured over */
 
 /* Points of a run with the length up to each. */
 typedef struct polyline {
