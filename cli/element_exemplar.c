@@ -10,14 +10,15 @@
 #include "cli/figures.h"
 #include "synthesis/element_ground.h"
 
-static tz_status find_things(tz_cli *cli, const char *path,
-                             const tz_things_params *things, const char *model,
-                             tz_record *record, tz_element_exemplar *e)
+tz_status tz_element_exemplar_judge(tz_cli *cli, const char *path,
+                                    const tz_things_params *things, const char *model,
+                                    tz_record *record, tz_element_exemplar *e,
+                                    tz_things_verdict *verdict)
 {
     tz_source src = {0};
     tz_things_params p = *things;
-    snprintf(p.model, sizeof p.model, "%s", model);
     double start = tz_seconds();
+    snprintf(p.model, sizeof p.model, "%s", model);
     tz_status s = tz_source_read(cli->ctx, tz_cli_find(cli, path), &src);
     if (s == TZ_OK && record)
         s = tz_record_input(cli, record, path, src.sha256);
@@ -29,20 +30,18 @@ static tz_status find_things(tz_cli *cli, const char *path,
         goto done;
     tz_figures_seconds(cli, "read", tz_seconds() - start);
     start = tz_seconds();
-    s = tz_things_find(cli->ctx, &src.photo, &p, &e->set, &e->photos.plate[0], NULL);
+    s = tz_things_judge(cli->ctx, &src.photo, &p, &e->set, &e->photos.plate[0], NULL,
+                        verdict);
     if (s != TZ_OK)
         goto done;
     tz_figures_seconds(cli, "analyze", tz_seconds() - start);
+    tz_figures_count(cli, "elements", e->set.element.n);
     e->photos.photo[0] = src.photo;
     src.photo = (tz_image){0};
     e->found = true;
-    if (e->set.element.n == 0)
-        s = tz_fail(cli->ctx, TZ_INVALID,
-                    "%s: no things stand out in it; try another --size-range, or --as "
-                    "edges",
-                    path);
-    else
-        s = tz_things_name_photo(&e->set, src.path, src.sha256, NULL);
+    s = tz_things_name_photo(&e->set, src.path, src.sha256, NULL);
+    if (s == TZ_OK)
+        s = tz_element_photos_match(cli, &e->photos, NULL, 0);
 done:
     tz_source_deinit(&src);
     return s;
@@ -53,17 +52,23 @@ tz_status tz_element_exemplar_read(tz_cli *cli, const char *path,
                                    const tz_things_params *things, const char *model,
                                    tz_record *record, tz_element_exemplar *e)
 {
+    tz_things_verdict verdict;
     tz_status s;
-    if (tz_path_is_svg(path)) {
-        s = tz_paths_add(cli->ctx, &e->inputs, tz_cli_find(cli, path));
-        if (s == TZ_OK)
-            s = tz_elements_read(cli, path, medium, things->classes, record, &e->set);
-        if (s == TZ_OK)
-            s = tz_element_photos_read(cli, &e->set, record, &e->inputs, &e->photos);
-    } else {
-        s = find_things(cli, path, things, model, record, e);
-        tz_figures_count(cli, "elements", e->set.element.n);
+    if (!tz_path_is_svg(path)) {
+        s = tz_element_exemplar_judge(cli, path, things, model, record, e, &verdict);
+        return s == TZ_OK && e->set.element.n == 0
+                   ? tz_fail(
+                         cli->ctx, TZ_INVALID,
+                         "%s: no things stand out in it; try another --size-range, or "
+                         "--as edges",
+                         path)
+                   : s;
     }
+    s = tz_paths_add(cli->ctx, &e->inputs, tz_cli_find(cli, path));
+    if (s == TZ_OK)
+        s = tz_elements_read(cli, path, medium, things->classes, record, &e->set);
+    if (s == TZ_OK)
+        s = tz_element_photos_read(cli, &e->set, record, &e->inputs, &e->photos);
     return s == TZ_OK ? tz_element_photos_match(cli, &e->photos, NULL, 0) : s;
 }
 

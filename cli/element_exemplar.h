@@ -25,6 +25,12 @@ tz_status tz_element_exemplar_read(tz_cli *cli, const char *path,
                                    const tz_medium_params *medium,
                                    const tz_things_params *things, const char *model,
                                    tz_record *record, tz_element_exemplar *e);
+/** Finds the things of a photo and whether it is made of them.
+ * @param[out] verdict  see tz_things_judge */
+tz_status tz_element_exemplar_judge(tz_cli *cli, const char *path,
+                                    const tz_things_params *things, const char *model,
+                                    tz_record *record, tz_element_exemplar *e,
+                                    tz_things_verdict *verdict);
 /** Names the file of the plate, beside a document that will refer to it; adds it to
  * `outputs`. Does nothing where there is no plate to be written. */
 tz_status tz_element_exemplar_name_plate(tz_cli *cli, const char *document,

@@ -13,10 +13,12 @@
 
 #define AT(m) offsetof(tz_medium_params, m)
 static const tz_param medium_rows[] = {
-    {"as", TZ_PARAM_ENUM, AT(as), 0, 0, "auto", "", "auto|edges|elements",
+    {"as", TZ_PARAM_ENUM, AT(as), 0, 0, "usual", "", "usual|auto|edges|elements",
      "What the picture is taken as: edge groups of a photo, or elements of a drawing or "
      "a "
-     "photo; auto = elements of drawings, edges of photos."},
+     "photo; usual = elements of drawings, edges of photos; expand --as auto decides by "
+     "what "
+     "is in the photo."},
     {"wrap", TZ_PARAM_BOOL, AT(wrap), 0, 1, "false", "", NULL,
      "Elements: the drawing is a tile that repeats (--no-wrap: it is none); found out "
      "where neither is given."},
@@ -106,9 +108,9 @@ tz_status tz_medium_settle(tz_cli *cli, const char *path, const tz_medium_params
         return tz_fail(cli->ctx, TZ_INVALID,
                        "%s: is a drawing, which has no edge groups; leave out --as edges",
                        path);
-    *as = p->as != TZ_AS_AUTO ? (tz_as)p->as
-          : svg && !groups    ? TZ_AS_ELEMENTS
-                              : TZ_AS_EDGES;
+    *as = p->as >= TZ_AS_EDGES ? (tz_as)p->as
+          : svg && !groups     ? TZ_AS_ELEMENTS
+                               : TZ_AS_EDGES;
     return TZ_OK;
 }
 

@@ -10,8 +10,9 @@
 #include "elements/element_arrange.h"
 #include "elements/palette.h"
 
-/** What a picture is taken as. */
-typedef enum tz_as { TZ_AS_AUTO, TZ_AS_EDGES, TZ_AS_ELEMENTS } tz_as;
+/** What a picture is taken as. Usual: elements of drawings, edges of photos; auto: by what
+ * is in the photo, where a command can tell, else as usual. */
+typedef enum tz_as { TZ_AS_USUAL, TZ_AS_AUTO, TZ_AS_EDGES, TZ_AS_ELEMENTS } tz_as;
 
 /** Table: tz_medium_param_table. */
 typedef struct tz_medium_params {

@@ -161,6 +161,20 @@ static tz_status run_edges(tz_cli *cli)
     return s;
 }
 
+/** --as auto: what the photo is made of decides. */
+static tz_status run_decided(tz_cli *cli, const tz_expand_elements_job *job)
+{
+    tz_element_exemplar found = {0};
+    tz_record record = {0};
+    bool elements = false;
+    tz_status s = tz_expand_decide(cli, job, &record, &found, &elements);
+    if (s == TZ_OK && elements)
+        s = tz_expand_elements(cli, job, &found, &record);
+    tz_element_exemplar_free(cli, &found);
+    tz_record_free(cli, &record);
+    return s == TZ_OK && !elements ? run_edges(cli) : s;
+}
+
 static tz_status run(tz_cli *cli)
 {
     values *v = cli->values;
@@ -174,7 +188,10 @@ static tz_status run(tz_cli *cli)
     tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
     if (s != TZ_OK)
         return s;
-    return as == TZ_AS_ELEMENTS ? tz_expand_elements(cli, &job) : run_edges(cli);
+    if (as == TZ_AS_ELEMENTS)
+        return tz_expand_elements(cli, &job, NULL, NULL);
+    const bool ask = v->medium.as == TZ_AS_AUTO && !tz_path_is_svg(cli->operand[0]);
+    return ask ? run_decided(cli, &job) : run_edges(cli);
 }
 
 static const tz_option_group groups[] = {
@@ -217,6 +234,11 @@ const tz_command tz_expand_command = {
         "texture, and renders them without seams: analyze, arrange and render in one go. "
         "Without --size the texture has four times the sides of the first photo (see "
         "--grow).\n\n"
+        "With --as elements the things of a photo (pebbles, setts, leaves) are arranged "
+        "and "
+        "drawn over the ground beneath them; --as auto looks at the photo and says what "
+        "it "
+        "takes it as, and why. Drawings are always elements.\n\n"
         "A photo may also be an exemplar that analyze has written (its name ends in "
         ".svg). "
         "Several photos mix in one texture; --rules says where each of them goes.",

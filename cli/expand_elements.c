@@ -58,7 +58,7 @@ static tz_status prepare(run_state *r)
     if (cli->operands != 1)
         return tz_cli_usage(cli, "elements are expanded from one photo or drawing");
     tz_status s = tz_expand_seeds(cli, &w, &r->plan);
-    if (s == TZ_OK)
+    if (s == TZ_OK && !r->exemplar.found)
         s = tz_element_exemplar_read(cli, cli->operand[0], j->medium, j->things,
                                      j->analyze->model, &r->record, &r->exemplar);
     if (s == TZ_OK)
@@ -167,9 +167,31 @@ static tz_status save_exemplar(run_state *r)
     return s;
 }
 
-tz_status tz_expand_elements(tz_cli *cli, const tz_expand_elements_job *job)
+tz_status tz_expand_decide(tz_cli *cli, const tz_expand_elements_job *job,
+                           tz_record *record, tz_element_exemplar *found, bool *elements)
+{
+    tz_things_verdict v;
+    tz_status s = tz_element_exemplar_judge(cli, cli->operand[0], job->things,
+                                            job->analyze->model, record, found, &v);
+    *elements = s == TZ_OK && v.is_things && v.copied > 0 && cli->operands == 1;
+    if (s == TZ_OK) {
+        tz_figures_text(cli, "as", *elements ? "elements" : "edges");
+        tz_figures_text(cli, "why",
+                        cli->operands > 1 ? "several photos mix as edges" : v.why);
+    }
+    return s;
+}
+
+tz_status tz_expand_elements(tz_cli *cli, const tz_expand_elements_job *job,
+                             tz_element_exemplar *found, tz_record *record)
 {
     run_state r = {.cli = cli, .job = job};
+    if (found) {
+        r.exemplar = *found;
+        r.record = *record;
+        *found = (tz_element_exemplar){0};
+        *record = (tz_record){0};
+    }
     tz_status s = prepare(&r);
     if (s == TZ_OK)
         s = save_exemplar(&r);

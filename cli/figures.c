@@ -37,6 +37,11 @@ void tz_figures_count(tz_cli *cli, const char *name, int64_t n)
     json_object_set_new(cli->figures, name, json_integer(old + n));
 }
 
+void tz_figures_text(tz_cli *cli, const char *name, const char *text)
+{
+    json_object_set_new(cli->figures, name, json_string(text));
+}
+
 static void print_summary(const tz_cli *cli, double seconds, double peak)
 {
     size_t i;
@@ -46,6 +51,10 @@ static void print_summary(const tz_cli *cli, double seconds, double peak)
         printf("%s  %d x %d\n", json_string_value(json_object_get(v, "path")),
                (int)json_integer_value(json_object_get(v, "width")),
                (int)json_integer_value(json_object_get(v, "height")));
+    const char *as = json_string_value(json_object_get(cli->figures, "as")),
+               *why = json_string_value(json_object_get(cli->figures, "why"));
+    if (as && why)
+        printf("as %s: %s\n", as, why);
     json_t *stages = json_object_get(cli->figures, "seconds");
     if (!stages)
         return;

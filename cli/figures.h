@@ -11,6 +11,8 @@ void tz_figures_output(tz_cli *cli, const char *path, const char *map, int32_t w
                        int32_t height);
 /** Adds seconds to a stage. */
 void tz_figures_seconds(tz_cli *cli, const char *stage, double seconds);
+/** Sets a text; of "as" and "why" the summary tells too. */
+void tz_figures_text(tz_cli *cli, const char *name, const char *text);
 /** Adds to a count. */
 void tz_figures_count(tz_cli *cli, const char *name, int64_t n);
 /** Prints: JSON if asked for, nothing if quiet or piped, else the summary. */

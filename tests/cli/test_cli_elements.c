@@ -276,6 +276,34 @@ static void photos_become_elements(void **state)
     assert_exit(0, "$T replay e.png -o g.png && cmp e.png g.png");
 }
 
+static void auto_says_why(void **state)
+{
+    (void)state;
+    /* even grey noise is made of nothing */
+    picture("noise.png", (tz_rect){0, 0, 200, 200}, 3, TZ_ENCODING_SRGB, random_shade,
+            TZ_SAMPLE_U8);
+    static const char *const photo[] = {"stones.png", "noise.png"};
+    for (int i = 0; i < 2; i++) {
+        assert_exit(0, "$T expand %s --as auto -o a%d.png --size 200x160 --json",
+                    photo[i], i);
+        json_t *v = json_loads(out_text, 0, NULL);
+        assert_non_null(v);
+        const char *as = json_string_value(json_object_get(v, "as"));
+        const char *why = json_string_value(json_object_get(v, "why"));
+        assert_non_null(as);
+        assert_true(why && strlen(why) > 10);
+        if (i == 1)
+            assert_string_equal(as, "edges");
+        /* and the same as when it is named */
+        assert_exit(0, "$T expand %s --as %s -o b.png --size 200x160 -q", photo[i], as);
+        assert_exit(0,
+                    "$T compare a%d.png b.png >/dev/null && $T replay a%d.png -o c.png "
+                    "&& cmp a%d.png c.png",
+                    i, i, i);
+        json_decref(v);
+    }
+}
+
 /* ---- what is wrong --------------------------------------------------------------------- */
 
 static void bad_input_is_named(void **state)
@@ -374,6 +402,7 @@ int main(void)
         cmocka_unit_test(drawings_become_pixels),
         cmocka_unit_test(maps_tell_what_lies_where),
         cmocka_unit_test(photos_become_elements),
+        cmocka_unit_test(auto_says_why),
         cmocka_unit_test(bad_input_is_named),
         cmocka_unit_test(odd_drawings_end),
         cmocka_unit_test(nothing_is_left_of_a_write_that_fails),
