@@ -72,7 +72,7 @@ static void test_pairing_is_best(void **state)
         const double best = brute(&w, &p, &q, 0, 0);
         const float found = tz_pairing_best(&w, &p, &q, INFINITY);
         assert_float_equal(found, best, 2e-5 * (1 + best));
-        bool used[8] = {false};
+        bool used[TZ_PAIRING_MOST] = {false};
         for (int32_t i = 0; i < p.n; i++)
             if (w.to[i] >= 0) {
                 assert_true(w.to[i] < q.n && !used[w.to[i]]);
