@@ -53,11 +53,10 @@ TZ_API extern const tz_param_table tz_things_param_table;
  * stand by rising depth; scale is 1, and angle 0, since the photo shows each thing as it
  * lies: how a long thing is turned is read from its samples, which follow its axis from
  * the left end to the right one (one sample: no axis that matters; so in kinds that are
- * not `oriented`). `cut` is set on what is not to be copied: things that the photo's border
- * cuts, that others cover (over a tenth or so of them), and doubtful ones (ragged, of the
- * ground's colour, crumbs, not surely things); at least 12 things, or a third of them, the
- * best, are left uncut, where the border does not cut them. A thing that another
- * one covers in part keeps its visible outline, but `at` and `radius` are those of the
+ * not `oriented`). `cut` is set where the photo's border cuts; `doubtful` on things that
+ * others cover (over a tenth or so of them) and on those that are ragged, of the ground's
+ * colour, crumbs, or not surely things; at least 12 things, or a third of them, the best,
+ * are not doubtful. A thing that another one covers in part keeps its visible outline, but `at` and `radius` are those of the
  * whole, completed by an ellipse, where the hidden part is estimated to be under a third.
  * set.photo[0] has the size and an empty path: see tz_things_name_photo.
  *
@@ -78,7 +77,7 @@ TZ_API tz_status tz_things_find(tz_ctx *ctx, const tz_image *photo,
 typedef struct tz_things_verdict {
     bool is_things; /**< an element texture suits it */
     int32_t things; /**< found */
-    int32_t copied; /**< of them, those that are not `cut` */
+    int32_t copied; /**< of them, those that may be copied */
     double covered; /**< 0..1: share of the picture that things cover */
     double sure;    /**< 0..1: mean certainty of what the border does not cut */
     double solid;   /**< 0..1: mean share of its convex hull that a copied thing fills */

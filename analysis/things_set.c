@@ -280,7 +280,8 @@ static tz_status add_thing(tz_element_set *s, const tz_things_found *f)
                     .scale = 1,
                     .radius = f->radius,
                     .depth = f->depth,
-                    .cut = f->cut};
+                    .cut = f->frame,
+                    .doubtful = f->cut && !f->frame};
     tz_status st = add_symbol(s, f);
     if (st == TZ_OK)
         st = add_samples(s, &e);

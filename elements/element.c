@@ -161,6 +161,7 @@ tz_status tz_element_set_place(tz_element_set *s, const tz_element_set *from,
     e.scale *= scale;
     e.radius *= scale;
     e.fixed = false;
+    e.doubtful = false;
     for (int32_t i = 0; i < o.samples; i++) {
         /* read after the growth above: `from` may be `s` */
         tz_sample p = from->sample.v[o.sample + i];

@@ -31,8 +31,15 @@ typedef struct tz_element {
     double radius; /**< of the circle about `at` that holds it, at this scale */
     int32_t depth; /**< higher lies above lower */
     bool cut;      /**< cut by the exemplar's border: never copied as a whole */
+    bool doubtful; /**< seen in part or not for sure: it counts, but is never copied */
     bool fixed;    /**< stays where it is */
 } tz_element;
+
+/** Whether an element of an exemplar may be copied. */
+static inline bool tz_element_may_copy(const tz_element *e)
+{
+    return !e->cut && !e->doubtful;
+}
 
 typedef struct tz_element_kind {
     char *name;    /**< owned */

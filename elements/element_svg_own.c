@@ -334,7 +334,7 @@ static tz_status read_place(own *o, tz_svg_node n, tz_element *e, int32_t *index
     if (o->number.n != PLACE && o->number.n != PLACE + 1)
         return bad(o, n, "tz:place does not hold ten numbers");
     if (!integer(v[0], 0, set->kind.n - 1) || !integer(v[1], INT32_MIN, INT32_MAX) ||
-        !integer(v[2], -1, INT32_MAX) || !integer(v[3], 0, 3) || !(v[8] > 0) ||
+        !integer(v[2], -1, INT32_MAX) || !integer(v[3], 0, 7) || !(v[8] > 0) ||
         !(v[9] > 0))
         return bad(o, n, "tz:place holds a number that cannot be");
     e->kind = (int32_t)v[0];
@@ -342,6 +342,7 @@ static tz_status read_place(own *o, tz_svg_node n, tz_element *e, int32_t *index
     e->source = (int32_t)v[2];
     e->cut = (int)v[3] & 1;
     e->fixed = (int)v[3] & 2;
+    e->doubtful = (int)v[3] & 4;
     e->at = (tz_vec3){v[4], v[5], v[6]};
     e->angle = v[7];
     e->scale = v[8];

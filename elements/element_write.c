@@ -4,7 +4,7 @@
  * SVG: symbols and one <use> an element. What SVG shows is its transform; what reading
  * needs to the bit stands beside it, in few attributes, since readers count them:
  *   tz:place    "kind depth source flags x y z angle scale radius [index]",
- *               flags 1 = cut, 2 = fixed; index where drawing order is another order
+ *               flags 1 = cut, 2 = fixed, 4 = doubtful; index where drawing order is another order
  *   tz:samples  "x y z id weight ..." but for one sample of weight 1 in the middle
  * On a torus, copies marked tz:copy show what reaches over the border. The <use> of a bent
  * element is marked tz:bent and does not show; beside it, a tz:copy, its shape does.
@@ -176,9 +176,10 @@ static tz_status put_element(tz_svg_writer *w, const tz_element_set *s, int32_t 
     char *bent;
     const tz_element *e = &s->element.v[i];
     const bool is_void = s->kind.v[e->kind].is_void;
-    const double place[11] = {e->kind,  e->depth,  e->source, e->cut + 2 * e->fixed,
-                              e->at.x,  e->at.y,   e->at.z,   e->angle,
-                              e->scale, e->radius, i};
+    const double place[11] = {
+        e->kind,  e->depth,  e->source, e->cut + 2 * e->fixed + 4 * e->doubtful,
+        e->at.x,  e->at.y,   e->at.z,   e->angle,
+        e->scale, e->radius, i};
     tz_status st = bend_element(rests, s, i, &bent);
     if (st != TZ_OK)
         return st;

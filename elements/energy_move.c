@@ -145,7 +145,7 @@ void tz_energy_elect(tz_energy_state *t, tz_element *e)
     for (int32_t v = begin - 1; v < end; v++) {
         const int32_t vote = v < begin ? t->match[o] : t->vote.v[v];
         const double d = far_from(x, vote, mean);
-        if (d < least && !x->set->element.v[x->owner[vote]].cut)
+        if (d < least && tz_element_may_copy(&x->set->element.v[x->owner[vote]]))
             least = d, winner = vote;
     }
     if (winner < 0 || fabs(now - least) <= 1e-9 * x->spacing * x->spacing)

@@ -17,11 +17,11 @@ int32_t tz_energy_choose(const tz_element_set *from, const tz_domain *d, int32_t
     const tz_element *e = from->element.v;
     const bool kept = tz_domain_allows(d, at, e[i].kind);
     int32_t n = 0, chosen = -1;
-    if (kept && !e[i].cut)
+    if (kept && tz_element_may_copy(&e[i]))
         return i;
     for (int32_t k = 0; k < from->element.n; k++)
         if ((kept ? e[k].kind == e[i].kind : tz_domain_allows(d, at, e[k].kind)) &&
-            !e[k].cut && tz_rng_below(r, ++n) == 0)
+            tz_element_may_copy(&e[k]) && tz_rng_below(r, ++n) == 0)
             chosen = k;
     return chosen;
 }

@@ -42,7 +42,7 @@ static void add_unit(tz_growth_exemplar *ex, int32_t k)
                                          .symbol = e->symbol,
                                          .source = k,
                                          .bent = e->samples > 1,
-                                         .copied = !e->cut};
+                                         .copied = tz_element_may_copy(e)};
 }
 
 /* Symbols are worth telling apart where each stands for several elements; where nearly all
@@ -68,7 +68,7 @@ int32_t tz_growth_count_units(const tz_element_set *set, const tz_growth_texture
     return n;
 }
 
-/* A cut element is not copied; where it stood something like it may be: of its kind, and
+/* A cut or doubtful element is not copied; where it stood something like it may be: of its kind, and
  * of its symbol where symbols matter, about as large, and lying like it. */
 static void set_stand_ins(tz_growth_exemplar *ex)
 {

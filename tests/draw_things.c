@@ -76,7 +76,7 @@ static void draw_outline(tz_image *im, const tz_element_set *s, const tz_element
             for (int32_t j = 0; j < n; j++) {
                 const double t = (double)j / n;
                 put(im, e->at.x + a.x + t * (b.x - a.x), e->at.y + a.y + t * (b.y - a.y),
-                    rgb, e->cut ? 0.6F : 1);
+                    rgb, tz_element_may_copy(e) ? 1 : 0.6F);
             }
         }
     }
@@ -141,7 +141,7 @@ static tz_image draw_cutouts(tz_ctx *ctx, const tz_image *photo, const tz_elemen
     bench_check(ctx, tz_alloc_zero(ctx, &shown, (size_t)n + 1, 1));
     for (int32_t i = 0; i < n; i++)
         shown[i] = strcmp(which, "all") == 0 ||
-                   s->element.v[i].cut == (strcmp(which, "cut") == 0);
+                   tz_element_may_copy(&s->element.v[i]) == (strcmp(which, "cut") != 0);
     const int32_t h = lay_out(photo, label, box, shown, n, NULL);
     bench_check(ctx, tz_image_init(ctx, &sheet, photo->width, h + GAP, 3));
     sheet.encoding = TZ_ENCODING_SRGB;

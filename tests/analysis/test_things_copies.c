@@ -85,16 +85,16 @@ static void covered_things_are_not_copied(void **state)
     result r = find(ctx, draw(ctx), TZ_THINGS_PLATE_AUTO);
     int32_t whole = 0, bitten = 0, copied = 0;
     for (int32_t i = 0; i < r.set.element.n; i++)
-        copied += !r.set.element.v[i].cut;
+        copied += tz_element_may_copy(&r.set.element.v[i]);
     assert_int_equal(copied, r.verdict.copied);
     for (int32_t i = 0; i < 36; i++) {
         const double x = 53 * (i % 6) + 26.5, y = 53 * (i / 6) + 26.5;
         const tz_element *e = i % 3 ? at(&r.set, x, y) : at(&r.set, x - 5, y - 2);
         assert_non_null(e);
         if (i % 3)
-            whole += !e->cut;
+            whole += tz_element_may_copy(e);
         else
-            bitten += !e->cut;
+            bitten += tz_element_may_copy(e);
     }
     if (whole < 22 || bitten > 2)
         fail_msg("%d of 24 whole ones and %d of 12 covered ones are copied", whole,
