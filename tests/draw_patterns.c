@@ -114,13 +114,14 @@ static void leaves(const char *folder)
           "</defs>\n",
           f);
     for (int i = 0; i < n; i++) {
-        const double angle = 28 * sin(s[i].x / 70) + 20 * cos(s[i].y / 90) - 20 +
-                             between(&g, -9, 9);
+        const double angle =
+            28 * sin(s[i].x / 70) + 20 * cos(s[i].y / 90) - 20 + between(&g, -9, 9);
         const char *which = s[i].r < 20 ? id[2] : id[(int)(2 * tz_rng_unit(&g))];
-        fprintf(f,
-                "<use xlink:href=\"#%s\" transform=\"translate(%.2f %.2f) rotate(%.2f)\"/>"
-                "\n",
-                which, s[i].x, s[i].y, angle);
+        fprintf(
+            f,
+            "<use xlink:href=\"#%s\" transform=\"translate(%.2f %.2f) rotate(%.2f)\"/>"
+            "\n",
+            which, s[i].x, s[i].y, angle);
     }
     end(f);
 }
@@ -138,10 +139,11 @@ static void rows(const char *folder)
     for (int j = 0; j < 8; j++)
         for (int i = 0; i < 8; i++) {
             const double x = 60 * i + 30, y = 60 * j + 30;
-            fprintf(f,
-                    "<use xlink:href=\"#heart\" transform=\"translate(%g %g) rotate(%d)\"/>"
-                    "\n",
-                    x, y, (i + j) % 2 ? 180 : 0);
+            fprintf(
+                f,
+                "<use xlink:href=\"#heart\" transform=\"translate(%g %g) rotate(%d)\"/>"
+                "\n",
+                x, y, (i + j) % 2 ? 180 : 0);
             fprintf(f, "<use xlink:href=\"#dot\" x=\"%g\" y=\"%g\"/>\n", x + 30, y);
             fprintf(f, "<use xlink:href=\"#dot\" x=\"%g\" y=\"%g\"/>\n", x, y + 30);
         }

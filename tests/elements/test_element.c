@@ -25,7 +25,7 @@ static void push(tz_element_set *s, double x, double y, int32_t samples)
 
 static tz_status make(tz_ctx *ctx, tz_element_set *s, bool torus)
 {
-    *s = (tz_element_set){.domain = {{100, 50, 0}, torus}, .ctx = ctx};
+    *s = (tz_element_set){.domain = {.size = {100, 50, 0}, .torus = torus}, .ctx = ctx};
     tz_element_kind k = {.oriented = true};
     tz_element_symbol y = {.radius = 2};
     tz_status st = tz_strdup(ctx, "leaf", &k.name);
