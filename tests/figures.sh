@@ -182,7 +182,7 @@ tz expand current.svg -o g2.png $size --field strokes.svg
 tz expand hearts.svg -o g3.png $size --zones zones.svg \
     --zone-kinds "#ff0000=heart;#0000ff=dot"
 tz expand current.svg -o g4.png $size --brush brush.svg
-sheet elements-guides 2 480x480 "--domain, --field with a formula, --shape bend|--field with \
+sheet elements-guides 2 480x480 "--domain, --field, --shape bend|--field with \
 two strokes|--zones: hearts outside, dots inside|--brush: one stroke grows, one erases" \
     g1.png g2.png g3.png g4.png
 
