@@ -4,23 +4,24 @@
  *     cost[i][j] >= u[i] + v[j],  exit[i] >= u[i],  v[j] <= 0,
  *
  * with equality where i has j, where i is alone, and v[j] = 0 where j is free. The sum of
- * all duals never exceeds the least cost, so that it tells early when the cost is too much.
+ * all duals never exceeds the least cost, so that it tells early when the cost is too
+ * much.
  *
  * 1. Each row bids for its least reduced entry; first come, first served.
- * 2. Rows that found their column taken are added along a shortest path each (Dijkstra over
- *    columns), which ends at a free column or at a row that had better be alone.
+ * 2. Rows that found their column taken are added along a shortest path each (Dijkstra
+ *    over columns), which ends at a free column or at a row that had better be alone.
  * 3. After a warm start columns may be free whose dual is below 0, as the duals come from
  *    another problem. Each is raised along a shortest path the other way, over rows that
  *    would rather have it, until it has a row or its dual is 0.
  * @source Jonker, Volgenant: A shortest augmenting path algorithm for dense and sparse
- *   linear assignment problems, Computing 38, 1987. Deviates: no reduction transfer and no
- *   augmenting row reduction, which do not pay at such sizes; step 3 is added */
+ *   linear assignment problems, Computing 38, 1987. Deviates: no reduction transfer and
+ *   no augmenting row reduction, which do not pay at such sizes; step 3 is added */
 #include "curves/assign.h"
 
 #include <assert.h>
 #include <math.h>
 
-/* ---- bids --------------------------------------------------------------------------- */
+/* ---- bids -------------------------------------------------------------------------- */
 
 /* Least reduced entry of a row and its column; the exit is -1. */
 static float least(const tz_assign *a, const float *v, int32_t i, int32_t *column)
@@ -51,7 +52,7 @@ float tz_assign_bound(const tz_assign *a, bool warm)
     return sum;
 }
 
-/* ---- rows --------------------------------------------------------------------------- */
+/* ---- rows -------------------------------------------------------------------------- */
 
 /* State of a search: distances of columns, the row before each, and the finished ones. */
 typedef struct search {
@@ -151,13 +152,13 @@ static bool add_row(tz_assign *a, int32_t start)
     return true;
 }
 
-/* ---- columns ------------------------------------------------------------------------ */
+/* ---- columns ----------------------------------------------------------------------- */
 
 /* Raises the dual of free column `start` to 0, or finds a row for it. */
 static void raise_column(tz_assign *a, int32_t start)
 {
     float d[TZ_ASSIGN_MOST]; /* of rows */
-    int32_t by[TZ_ASSIGN_MOST], order[TZ_ASSIGN_MOST], n = 0;
+    int32_t by[TZ_ASSIGN_MOST] = {0}, order[TZ_ASSIGN_MOST], n = 0;
     bool done[TZ_ASSIGN_MOST] = {false};
     float stop = -a->v[start], base = 0;
     int32_t end = -1, column = start; /* row that ends it by going; column just reached */
@@ -221,7 +222,7 @@ static void raise_column(tz_assign *a, int32_t start)
     }
 }
 
-/* ---- all ----------------------------------------------------------------------------- */
+/* ---- all --------------------------------------------------------------------------- */
 
 static float dual(const tz_assign *a)
 {

@@ -31,12 +31,13 @@ typedef struct tz_assign {
  * @param warm    begins with a->v of the problem solved last, which had as many columns:
  *   quick where the costs are nearly those. The result is as good as without.
  * @param enough  gives up as soon as the cost is known to reach this
- * @return the cost; INFINITY if it is `enough` or more, or if there is no assignment (then
- *   a->to is undefined)
+ * @return the cost; INFINITY if it is `enough` or more, or if there is no assignment
+ *   (then a->to is undefined)
  * @cost O(rows cols) where rows do not compete, else up to O(rows^2 cols) */
 TZ_API float tz_assign_solve(tz_assign *a, bool warm, float enough);
 
-/** A lower bound of that cost from the rows' least entries alone, given duals a->v <= 0. */
+/** A lower bound of that cost from the rows' least entries alone, given duals a->v <= 0.
+ * */
 TZ_API float tz_assign_bound(const tz_assign *a, bool warm);
 
 #endif

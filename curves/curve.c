@@ -84,11 +84,16 @@ tz_status tz_curve_add_node(tz_curve_set *s, tz_vec2 at, int32_t *id)
     return st;
 }
 
+static bool same_pen(const tz_curve_pen *p, const tz_curve_pen *q)
+{
+    return p->width == q->width && p->color == q->color && p->cap == q->cap &&
+           p->join == q->join;
+}
+
 tz_status tz_curve_add_pen(tz_curve_set *s, tz_curve_pen pen, int32_t *id)
 {
-    pen.pad = 0;
     for (int32_t i = 0; i < s->pen.n; i++)
-        if (memcmp(&s->pen.v[i], &pen, sizeof pen) == 0) {
+        if (same_pen(&s->pen.v[i], &pen)) {
             *id = i;
             return TZ_OK;
         }
@@ -172,6 +177,8 @@ static bool finite2(tz_vec2 p)
     return fabs(p.x) < 1e15 && fabs(p.y) < 1e15; /* false for NaN */
 }
 
+static bool equal(tz_vec2 p, tz_vec2 q) { return p.x == q.x && p.y == q.y; }
+
 /* NULL, or what is wrong with the pieces of a path. */
 static const char *path_fault(const tz_curve_set *s, const tz_curve_path *p)
 {
@@ -182,8 +189,7 @@ static const char *path_fault(const tz_curve_set *s, const tz_curve_path *p)
         if (!finite2(c->a) || !finite2(c->b))
             return "a control point is not finite";
         const tz_bezier b = tz_bezier_line(s->node.v[c->from], s->node.v[c->to]);
-        if (c->straight && (memcmp(&c->a, &b.p[1], sizeof c->a) != 0 ||
-                            memcmp(&c->b, &b.p[2], sizeof c->b) != 0))
+        if (c->straight && (!equal(c->a, b.p[1]) || !equal(c->b, b.p[2])))
             return "a straight piece has control points off its thirds";
         if (i > p->piece && c[-1].to != c->from)
             return "a piece does not begin where the one before it ends";

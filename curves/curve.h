@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Curve textures: paths of straight and cubic pieces, joined where they share nodes and
- * merely crossing elsewhere, together with discrete elements. One struct serves as exemplar
- * and as output. Lengths are user units of the document, y down.
- * @source [Tu20] Sec. 3, 4.1. Deviates: pieces are cubic, which hold the paper's linear and
- *   quadratic ones exactly; every path has a pen, of which the paper says nothing */
+ * merely crossing elsewhere, together with discrete elements. One struct serves as
+ * exemplar and as output. Lengths are user units of the document, y down.
+ * @source [Tu20] Sec. 3, 4.1. Deviates: pieces are cubic, which hold the paper's linear
+ *   and quadratic ones exactly; every path has a pen, of which the paper says nothing */
 #ifndef TZ_CURVES_CURVE_H
 #define TZ_CURVES_CURVE_H
 
 #include "elements/element.h"
 
-/** How a path is stroked. All bytes count: compared with memcmp, so zero it first. */
+/** How a path is stroked. */
 typedef struct tz_curve_pen {
     double width;       /**< > 0 */
     uint32_t color;     /**< 0xrrggbbaa */
     uint32_t cap, join; /**< butt, round, square; miter, round, bevel */
-    uint32_t pad;
 } tz_curve_pen;
 
 /** Cubic from node to node. A straight one has its control points at the thirds. */

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Strokes that were turned into outlines become strokes again:
  *
- *   fill    the shape is drawn on a raster, six cells across its mean width 2 area / outline
- *   thin    to lines one cell wide
+ *   fill    the shape is drawn on a raster, six cells across its mean width 2 area /
+ *   outline thin    to lines one cell wide
  *   trace   lines become chains of points between ends and junctions
  *   prune   chains shorter than the shape is wide there, which corners leave behind
  *   centre  each point moves to the middle between the outlines on both sides
  *   fit     cubics through the points (curve_fit.c), a pen as wide as the shape
  *
- * What is not long and thin (four times as long as wide, all connected chains together) is
- * left. The width of a pen is the mean over chains whose widths differ by less than a
+ * What is not long and thin (four times as long as wide, all connected chains together)
+ * is left. The width of a pen is the mean over chains whose widths differ by less than a
  * quarter.
  * @source Guo, Hall: Parallel thinning with two-subiteration algorithms, CACM 32, 1989 */
 #include "base/grid.h"
@@ -50,7 +50,7 @@ typedef struct centring {
     tz_grid outline;
 } centring;
 
-/* ---- fill ---------------------------------------------------------------------------- */
+/* ---- fill -------------------------------------------------------------------------- */
 
 typedef struct counter {
     int64_t cells;
@@ -106,7 +106,7 @@ static tz_status draw(centring *c, const tz_part *p, double cell, bool keep,
     return s;
 }
 
-/* ---- thin ---------------------------------------------------------------------------- */
+/* ---- thin -------------------------------------------------------------------------- */
 
 /* The eight neighbours, from north clockwise. */
 static void ring(const centring *c, int32_t i, int32_t out[8])
@@ -166,7 +166,7 @@ static tz_status thin(centring *c)
     return s;
 }
 
-/* ---- trace --------------------------------------------------------------------------- */
+/* ---- trace ------------------------------------------------------------------------- */
 
 /* Neighbours on the line: diagonal ones only where there is no way around the corner. */
 static int links(const centring *c, int32_t i, int32_t out[8])
@@ -244,7 +244,7 @@ static tz_status trace(centring *c)
     return s;
 }
 
-/* ---- centre --------------------------------------------------------------------------- */
+/* ---- centre ------------------------------------------------------------------------ */
 
 static tz_status put_outline(centring *c)
 {
@@ -334,7 +334,7 @@ static tz_status centre_chains(centring *c)
     return s;
 }
 
-/* ---- prune ---------------------------------------------------------------------------- */
+/* ---- prune ------------------------------------------------------------------------- */
 
 /* Ends of chains at cells: 2 k is where chain k begins, 2 k + 1 where it ends. */
 typedef struct ended {
@@ -471,7 +471,7 @@ static tz_status drop_stout(centring *c, ended *e)
     return s;
 }
 
-/* ---- paths ---------------------------------------------------------------------------- */
+/* ---- paths ------------------------------------------------------------------------- */
 
 typedef struct broad {
     double width, length;
@@ -534,7 +534,7 @@ static tz_status add_path(centring *c, const chain *e, const int32_t *degree, in
 {
     tz_vec2 *p = c->point.v + e->first;
     const int32_t back = e->n < 2 * ACROSS ? e->n - 1 : 2 * ACROSS;
-    int32_t pen, node[2];
+    int32_t pen, node[2] = {0, 0};
     if (e->n < 2)
         return TZ_OK;
     if (e->a >= 0 && degree[2 * k] == 1)
@@ -608,7 +608,7 @@ static tz_status add_paths(centring *c, uint32_t color, tz_curve_set *to, bool *
     return s;
 }
 
-/* ---- all ------------------------------------------------------------------------------ */
+/* ---- all --------------------------------------------------------------------------- */
 
 static tz_status find_lines(centring *c, const tz_part *p, double most)
 {

@@ -7,8 +7,8 @@
 
 #include <stdlib.h>
 
-enum { MAX_CROSSINGS = 8000000 };
-#define MAX_PAIRS 20000000000.0
+enum { MAX_CROSSINGS = 8000000, MAX_CUTS = 4 * MAX_CROSSINGS, MAX_TOUCHING = 250 };
+#define MAX_PAIRS 1e9
 
 typedef struct chord {
     tz_vec2 p, q;
@@ -168,6 +168,11 @@ static tz_status add_cut(finder *f, int32_t piece, double t, int32_t node)
     const tz_curve_piece *p = &f->w->set.piece.v[piece];
     if (p->from == node || p->to == node)
         return TZ_OK;
+    if (f->w->cut.n >= MAX_CUTS)
+        return tz_fail(
+            f->w->ctx, TZ_LIMIT,
+            "the curves touch and cross in over %d places; thin out the drawing",
+            MAX_CUTS);
     return tz_array_push(f->w->ctx, &f->w->cut, ((tz_curve_cut){piece, node, t}));
 }
 
@@ -202,7 +207,10 @@ static void touch_cell(void *user, int32_t cell)
     for (int32_t i = f->grid.first[cell];
          i < f->grid.first[cell + 1] && k->status == TZ_OK; i++) {
         const chord *c = &f->chord.v[f->grid.chord[i]];
+        const tz_curve_piece *p = &f->w->set.piece.v[c->piece];
         double d;
+        if (p->from == k->node || p->to == k->node)
+            continue;
         const double u = project(c, q, &d);
         if (!(d <= k->reach * k->reach))
             continue;
@@ -211,7 +219,11 @@ static void touch_cell(void *user, int32_t cell)
         int32_t at = 0;
         while (at < k->near.n && k->near.v[at].piece != c->piece)
             at++;
-        if (at == k->near.n) {
+        if (at >= MAX_TOUCHING) {
+            k->status = tz_fail(f->w->ctx, TZ_LIMIT,
+                                "over %d curves touch in one spot; thin out the drawing",
+                                MAX_TOUCHING);
+        } else if (at == k->near.n) {
             k->status = tz_array_push(f->w->ctx, &k->near, cut);
             if (k->status == TZ_OK)
                 k->status = tz_array_push(f->w->ctx, &k->distance, d);
@@ -227,8 +239,8 @@ static double nearness(const finder *f, tz_vec2 p, int32_t node)
     return tz_vec2_length(tz_vec2_sub(p, f->w->set.node.v[node]));
 }
 
-/* Whether the cut is a place where the piece is not cut in vain: off its own ends, and not
- * just where the path comes from. */
+/* Whether the cut is a place where the piece is not cut in vain: off its own ends, and
+ * not just where the path comes from. */
 static bool worth(const finder *f, const tz_curve_cut *c, double along_end,
                   int32_t path_end)
 {

@@ -2,9 +2,10 @@
 /** @file
  * Curve textures out of any SVG, and back.
  *
- * What is stroked becomes paths; what is filled and long and thin (a stroke turned into an
- * outline) becomes its centre line, as wide as it was. Other filled shapes are no curves.
- * Transforms, viewBox, units, style attributes, CSS classes and <use> are followed. */
+ * What is stroked becomes paths; what is filled and long and thin (a stroke turned into
+ * an outline) becomes its centre line, as wide as it was. Other filled shapes are no
+ * curves. Transforms, viewBox, units, style attributes, CSS classes and <use> are
+ * followed. */
 #ifndef TZ_CURVES_CURVE_IO_H
 #define TZ_CURVES_CURVE_IO_H
 
@@ -21,8 +22,8 @@ typedef struct tz_curve_read_options {
 /** @param options  NULL = all zero
  * @param[out] s  overwritten, not freed; zeroed on error; the domain is the viewBox moved
  *   to 0, 0
- * @return TZ_OK; TZ_IO; TZ_FORMAT (line and fault); TZ_INVALID (no curves in it); TZ_LIMIT;
- *   TZ_NOMEM
+ * @return TZ_OK; TZ_IO; TZ_FORMAT (line and fault); TZ_INVALID (no curves in it);
+ *   TZ_LIMIT; TZ_NOMEM
  * @cost O(n log n) for a drawing that does not lie in one spot */
 TZ_API tz_status tz_curve_read_svg(tz_ctx *ctx, const char *path,
                                    const tz_curve_read_options *options, tz_curve_set *s);

@@ -81,7 +81,7 @@ static tz_status find_same(tz_curve_work *w, double reach, bool ends_only, int32
         if (ends_only && !w->end[i])
             continue;
         const int32_t n = tz_grid_query(&grid, s->node.v[i], reach, near, MOST);
-        for (int32_t k = 0; k < (n < MOST ? n : MOST); k++) {
+        for (int32_t k = 0; k < (n < MOST ? n : MOST) && kept.v; k++) {
             const int32_t j = kept.v[near[k]];
             const double d = tz_vec2_length(tz_vec2_sub(s->node.v[i], s->node.v[j]));
             if (d < best) {
@@ -262,7 +262,7 @@ static tz_status cut_pieces(tz_curve_work *w, tz_curve_set *to)
     return st;
 }
 
-/* ---- thin --------------------------------------------------------------------------- */
+/* ---- thin -------------------------------------------------------------------------- */
 
 typedef struct ended {
     int32_t low, high, piece;
@@ -392,8 +392,8 @@ static void keep_paths(chains *c)
     }
 }
 
-/* The two free ends at a node that run on straightest, within pi / 9; or, if there are but
- * two ends, those. False if there are none. */
+/* The two free ends at a node that run on straightest, within pi / 9; or, if there are
+ * but two ends, those. False if there are none. */
 static bool best_pair(const chains *c, int32_t node, int32_t out[2])
 {
     enum { MOST = 64 };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Brings paths into order: what touches is joined, what lies twice is there once, and what
- * runs on is one path. Foreign drawings go through it; so do results of synthesis. */
+ * Brings paths into order: what touches is joined, what lies twice is there once, and
+ * what runs on is one path. Foreign drawings go through it; so do results of synthesis.
+ * */
 #ifndef TZ_CURVES_CURVE_JOIN_H
 #define TZ_CURVES_CURVE_JOIN_H
 
@@ -18,9 +19,9 @@ typedef struct tz_curve_join_params {
     bool only_chain; /**< nothing is moved, cut or dropped: paths are only chained */
 } tz_curve_join_params;
 
-/** The paths of `from`, joined. Straight pieces stay straight; no point moves farther than
- * `reach`. Paths are chained at a node of two ends of one pen, and at others where two run
- * on within pi / 9 of straight.
+/** The paths of `from`, joined. Straight pieces stay straight; no point moves farther
+ * than `reach`. Paths are chained at a node of two ends of one pen, and at others where
+ * two run on within pi / 9 of straight.
  * @param p        NULL = all zero
  * @param[out] to  overwritten, not freed (pens, domain and background as in `from`, no
  *   elements); zeroed on error

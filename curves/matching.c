@@ -4,9 +4,9 @@
  *     |(p(so') - p(so)) - (p(si') - p(si))| + gamma * E(so', si'),            Eq. (8)
  *
  * and the edge difference E, itself an assignment, does not depend on the centres: it is
- * computed once for each pair of samples and looked up ever after. Rows are filled nearest
- * neighbour first; the sum of their least entries is a lower bound of the cost and ends
- * hopeless matches before the solver is asked. */
+ * computed once for each pair of samples and looked up ever after. Rows are filled
+ * nearest neighbour first; the sum of their least entries is a lower bound of the cost
+ * and ends hopeless matches before the solver is asked. */
 #include "curves/matching.h"
 
 #include <stdlib.h>
@@ -84,7 +84,7 @@ static double match_all(const void *a, int32_t n, const void *b, int32_t m, entr
     return sum;
 }
 
-/* ---- samples ------------------------------------------------------------------------ */
+/* ---- samples ----------------------------------------------------------------------- */
 
 static double edge_distance(const void *a, int32_t i, const void *b, int32_t j)
 {
@@ -128,7 +128,7 @@ double tz_match_turns(const double *a, int32_t n, const double *b, int32_t m, in
     return match_all(a, n, b, m, turn_distance, to);
 }
 
-/* ---- neighbourhoods ----------------------------------------------------------------- */
+/* ---- neighbourhoods ---------------------------------------------------------------- */
 
 typedef struct neighbour {
     double distance;
@@ -252,7 +252,7 @@ tz_status tz_match_hoods_make(tz_ctx *ctx, const tz_sample_graph *g, double radi
     return s;
 }
 
-/* ---- the matcher -------------------------------------------------------------------- */
+/* ---- the matcher ------------------------------------------------------------------- */
 
 tz_match_params tz_match_params_default(void)
 {
@@ -345,7 +345,7 @@ tz_status tz_matcher_init(tz_ctx *ctx, const tz_sample_graph *o, const tz_sample
     return s;
 }
 
-/* ---- a match ------------------------------------------------------------------------- */
+/* ---- a match ----------------------------------------------------------------------- */
 
 static float attribute_cost(const tz_matcher *m, int32_t so, int32_t si)
 {

@@ -31,10 +31,10 @@ TZ_API double tz_match_edges(const tz_sample_graph *o, int32_t so,
 TZ_API double tz_match_turns(const double *a, int32_t n, const double *b, int32_t m,
                              int32_t *to);
 
-/* ---- neighbourhoods ----------------------------------------------------------------- */
+/* ---- neighbourhoods ---------------------------------------------------------------- */
 
-/** Neighbourhoods of all samples: those of sample s are items first[s] .. first[s + 1] - 1,
- * nearest first, without s itself. */
+/** Neighbourhoods of all samples: those of sample s are items first[s] .. first[s + 1] -
+ * 1, nearest first, without s itself. */
 typedef struct tz_match_hoods {
     int32_t n;
     int32_t *first;
@@ -56,7 +56,8 @@ typedef struct tz_match_params {
 } tz_match_params;
 TZ_API tz_match_params tz_match_params_default(void); /**< 0.5, 1.25 */
 
-/** What all matches between two graphs share. Borrowed graphs must not change under it. */
+/** What all matches between two graphs share. Borrowed graphs must not change under it.
+ * */
 typedef struct tz_matcher {
     const tz_sample_graph *o, *i;
     tz_match_params params;

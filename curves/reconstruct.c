@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reconstruction in the three steps of the paper: opposite orientations of each sample are
- * paired; orientations are matched with edges; edges whose orientations are a pair run on
- * into each other. Where there are more than two orientations the straightest pair goes
- * first.
+/* Reconstruction in the three steps of the paper: opposite orientations of each sample
+ * are paired; orientations are matched with edges; edges whose orientations are a pair
+ * run on into each other. Where there are more than two orientations the straightest pair
+ * goes first.
  *
  * The cubic between two samples leaves along their orientations. For a chord c and angles
  * a, b of the tangents with it, which turn by f = |a| + |b| in all, handles are
@@ -34,7 +34,7 @@ typedef struct rebuild {
     int32_t *node; /* per sample */
 } rebuild;
 
-/* ---- at a sample ---------------------------------------------------------------------- */
+/* ---- at a sample ------------------------------------------------------------------- */
 
 static int32_t end_of(const tz_sample_graph *g, int32_t sample, int32_t edge)
 {
@@ -124,7 +124,7 @@ static void pair_ends(rebuild *k)
     }
 }
 
-/* ---- paths --------------------------------------------------------------------------- */
+/* ---- paths ------------------------------------------------------------------------- */
 
 /* Signed angle from direction b to a, -pi .. pi. */
 static double signed_turn(double a, double b)
@@ -199,7 +199,7 @@ static tz_status add_paths(rebuild *k)
     return s;
 }
 
-/* ---- all ----------------------------------------------------------------------------- */
+/* ---- all --------------------------------------------------------------------------- */
 
 static tz_status check_pens(tz_ctx *ctx, const tz_sample_graph *g,
                             const tz_curve_set *like)
@@ -248,7 +248,7 @@ tz_status tz_curve_reconstruct(tz_ctx *ctx, const tz_sample_graph *g,
     return s;
 }
 
-/* ---- distance ------------------------------------------------------------------------ */
+/* ---- distance ---------------------------------------------------------------------- */
 
 typedef struct points {
     TZ_ARRAY(tz_vec2)

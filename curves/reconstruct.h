@@ -9,8 +9,9 @@
 #include "curves/sample_graph.h"
 
 /** Paths through the graph's edges: where two orientations of a sample are opposite
- * (between 8 and 10 ninths of pi) and both belong to edges, a path runs through; elsewhere
- * it ends. Pieces are cubics through the samples, straight where their tangents are.
+ * (between 8 and 10 ninths of pi) and both belong to edges, a path runs through;
+ * elsewhere it ends. Pieces are cubics through the samples, straight where their tangents
+ * are.
  * @param like     whose pens the edges name; domain and background are taken over, too
  * @param[out] to  overwritten, not freed; no discrete elements; zeroed on error
  * @return TZ_OK; TZ_INVALID (no edges; an edge's pen does not exist); TZ_NOMEM

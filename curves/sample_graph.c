@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sampling. The paths are joined, crossings too; what is left are pieces between nodes.
- * Nodes that are not the inside of a smooth path (any number of ends but two, or a corner)
- * are samples; the runs of pieces between them are sampled evenly by length:
+ * Nodes that are not the inside of a smooth path (any number of ends but two, or a
+ * corner) are samples; the runs of pieces between them are sampled evenly by length:
  *
  *     junction o----.----.----o corner        n = round(length / spacing) steps
  *                              \
@@ -9,9 +9,9 @@
  *
  * A corner is where the directions of the path over a window of a tenth of the spacing on
  * either side differ by more than pi / 9: the same angle by which reconstruction tells a
- * path that runs on from two that end. Of corners nearer than a quarter of the spacing the
- * sharpest stays. A run gets one more sample where it is a loop, or where its two samples
- * are joined already: the graph is simple.
+ * path that runs on from two that end. Of corners nearer than a quarter of the spacing
+ * the sharpest stays. A run gets one more sample where it is a loop, or where its two
+ * samples are joined already: the graph is simple.
  *
  * Directions are tangents of the run at the sample, measured over a short way, second
  * order, so that the noise of drawn lines does not count. */
@@ -108,7 +108,7 @@ static tz_vec2 place(const polyline *l, double along)
     return (tz_vec2){p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)};
 }
 
-/* ---- what is a sample ---------------------------------------------------------------- */
+/* ---- what is a sample -------------------------------------------------------------- */
 
 /* Turn of the path at a place, 0 = straight on. */
 static double turn_at(const polyline *l, double along, double window)
@@ -176,7 +176,7 @@ static tz_status find_stops(sampler *k)
     return s;
 }
 
-/* ---- the graph ----------------------------------------------------------------------- */
+/* ---- the graph --------------------------------------------------------------------- */
 
 static tz_status add_sample(sampler *k, tz_vec2 at, int32_t *id)
 {
@@ -368,7 +368,7 @@ static tz_status sample_paths(sampler *k)
     return s;
 }
 
-/* ---- links --------------------------------------------------------------------------- */
+/* ---- links ------------------------------------------------------------------------- */
 
 tz_status tz_sample_graph_link(tz_sample_graph *g)
 {

@@ -15,7 +15,8 @@ enum {
 };
 
 /** A sample. Its edges are graph.link[link .. link + links - 1], its orientations
- * graph.turn[turn .. turn + turns - 1]; in exemplars links = turns and they go together. */
+ * graph.turn[turn .. turn + turns - 1]; in exemplars links = turns and they go together.
+ * */
 typedef struct tz_curve_sample {
     tz_vec2 at;
     int32_t q; /**< TZ_SAMPLE_CURVE, or kind << 10 | id of an element's sample */
@@ -61,8 +62,8 @@ typedef struct tz_sample_levels {
 
 TZ_API void tz_sample_graph_deinit(tz_sample_graph *g); /**< takes zeroed */
 
-/** The paper's defaults (spacing 40, 30, 25 and radius 60, 50, 40 for exemplars 250 to 500
- * long), scaled so that the exemplar's longer side counts as 375.
+/** The paper's defaults (spacing 40, 30, 25 and radius 60, 50, 40 for exemplars 250 to
+ * 500 long), scaled so that the exemplar's longer side counts as 375.
  * @source [Tu20] Sec. 5.1, App. B, Table 2 */
 TZ_API tz_sample_levels tz_sample_levels_default(const tz_curve_set *s);
 
@@ -70,8 +71,8 @@ TZ_API tz_sample_levels tz_sample_levels_default(const tz_curve_set *s);
  * evenly, about `spacing` apart. Crossings join the paths that cross there.
  * @param spacing, radius  user units, > 0
  * @param[out] g  overwritten, not freed; zeroed on error
- * @return TZ_OK; TZ_INVALID (no curves and no elements; spacing); TZ_LIMIT (over 4 million
- *   samples); TZ_NOMEM
+ * @return TZ_OK; TZ_INVALID (no curves and no elements; spacing); TZ_LIMIT (over 4
+ *   million samples); TZ_NOMEM
  * @cost O(n log n) by pieces and samples */
 TZ_API tz_status tz_sample_graph_make(tz_ctx *ctx, const tz_curve_set *s, double spacing,
                                       double radius, tz_sample_graph *g);

@@ -78,7 +78,7 @@ static tz_sample_graph web(uint64_t seed, int32_t n, double side)
     return g;
 }
 
-/* ---- edges and orientations --------------------------------------------------------- */
+/* ---- edges and orientations -------------------------------------------------------- */
 
 static double brute_edges(const tz_sample_graph *a, const tz_sample_graph *b, int32_t i,
                           uint32_t used, int32_t skips)
@@ -162,7 +162,7 @@ static void test_turns(void **state)
     }
 }
 
-/* ---- neighbourhoods ----------------------------------------------------------------- */
+/* ---- neighbourhoods ---------------------------------------------------------------- */
 
 static void test_hoods(void **state)
 {
@@ -190,8 +190,8 @@ static void test_hoods(void **state)
     }
 }
 
-/* What lies at a place of the graph itself matches it without any cost; what is moved about
- * costs no more than it was moved. */
+/* What lies at a place of the graph itself matches it without any cost; what is moved
+ * about costs no more than it was moved. */
 static void test_self(void **state)
 {
     (void)state;

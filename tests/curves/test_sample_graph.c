@@ -134,7 +134,7 @@ static void test_bad(void **state)
     fails(ctx, tz_sample_graph_link(&graph), TZ_INVALID, "edge 1");
 }
 
-/* ---- reconstruction ------------------------------------------------------------------ */
+/* ---- reconstruction ---------------------------------------------------------------- */
 
 /* Distance of what comes back, both ways, as a share of the spacing. */
 static void returns(const char *text, double spacing, double mean, double most,
@@ -158,7 +158,8 @@ static void returns(const char *text, double spacing, double mean, double most,
     tz_curve_set_deinit(&out);
 }
 
-/* What is measured is a set of points an eightieth of the spacing apart: 0.007 at best. */
+/* What is measured is a set of points an eightieth of the spacing apart: 0.007 at best.
+ * */
 static void test_returns(void **state)
 {
     (void)state;
