@@ -175,9 +175,14 @@ static void same(const tz_curve_set *a, const tz_curve_set *b)
     assert_int_equal(a->path.n, b->path.n);
     assert_int_equal(a->pen.n, b->pen.n);
     assert_int_equal(a->background, b->background);
-    assert_memory_equal(&a->domain, &b->domain, sizeof a->domain);
+    assert_memory_equal(&a->domain.size, &b->domain.size, sizeof a->domain.size);
+    assert_int_equal(a->domain.torus, b->domain.torus);
     assert_memory_equal(a->node.v, b->node.v, (size_t)a->node.n * sizeof *a->node.v);
-    assert_memory_equal(a->pen.v, b->pen.v, (size_t)a->pen.n * sizeof *a->pen.v);
+    for (int32_t i = 0; i < a->pen.n; i++) {
+        const tz_curve_pen *p = &a->pen.v[i], *q = &b->pen.v[i];
+        assert_true(p->width == q->width && p->color == q->color && p->cap == q->cap &&
+                    p->join == q->join);
+    }
     for (int32_t i = 0; i < a->piece.n; i++) {
         const tz_curve_piece *p = &a->piece.v[i], *q = &b->piece.v[i];
         assert_int_equal(p->from, q->from);
