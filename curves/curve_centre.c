@@ -6,13 +6,15 @@
  *   trace   lines become chains of points between ends and junctions
  *   prune   chains shorter than the shape is wide there, which corners leave behind
  *   centre  each point moves to the middle between the outlines on both sides
+ *   mend    lines that bend towards each other where they meet run straight again
+ *           (curve_mend.c)
  *   fit     cubics through the points (curve_fit.c), a pen as wide as the shape
  *
  * What is not long and thin (four times as long as wide, all connected chains together)
  * is left. The width of a pen is the mean over chains whose widths differ by less than a
  * quarter.
  * @source Guo, Hall: Parallel thinning with two-subiteration algorithms, CACM 32, 1989 */
-#include "base/grid.h"
+#include "curves/curve_centre_internal.h"
 #include "curves/curve_fit_internal.h"
 #include "curves/curve_read_internal.h"
 #include "elements/guide.h"
@@ -25,30 +27,6 @@
 #define MOST_CELLS 40000000.0
 
 enum { INK = 1, NODE = 2, SEEN = 4 };
-
-typedef struct chain {
-    int32_t first, n; /* points */
-    int32_t a, b;     /* cells of its ends; -1 = a loop */
-    double length, width;
-    bool gone;
-} chain;
-
-typedef struct centring {
-    tz_ctx *ctx;
-    tz_polys polys;
-    double width; /* mean */
-    double cell;
-    tz_vec2 origin, view;
-    int32_t w, h;
-    uint8_t *v;
-    TZ_ARRAY(int32_t)
-    ink; /* cells */
-    TZ_ARRAY(tz_vec2)
-    point;
-    TZ_ARRAY(chain)
-    chain;
-    tz_grid outline;
-} centring;
 
 /* ---- fill -------------------------------------------------------------------------- */
 
@@ -336,11 +314,7 @@ static tz_status centre_chains(centring *c)
 
 /* ---- prune ------------------------------------------------------------------------- */
 
-/* Ends of chains at cells: 2 k is where chain k begins, 2 k + 1 where it ends. */
-typedef struct ended {
-    int32_t cell, end;
-} ended;
-
+/* Ends by cell. */
 static int by_cell(const void *a, const void *b)
 {
     const ended *p = a, *q = b;
@@ -349,7 +323,7 @@ static int by_cell(const void *a, const void *b)
     return (p->end > q->end) - (p->end < q->end);
 }
 
-static int32_t list_ends(const centring *c, ended *out)
+int32_t tz_centring_ends(const centring *c, ended *out)
 {
     int32_t n = 0;
     for (int32_t k = 0; k < c->chain.n; k++)
@@ -364,7 +338,7 @@ static int32_t list_ends(const centring *c, ended *out)
 
 static void prune(centring *c, ended *e, int32_t *degree)
 {
-    const int32_t n = list_ends(c, e);
+    const int32_t n = tz_centring_ends(c, e);
     for (int32_t i = 0, j; i < n; i = j) {
         for (j = i; j < n && e[j].cell == e[i].cell; j++)
             continue;
@@ -386,7 +360,7 @@ static void prune(centring *c, ended *e, int32_t *degree)
 /* Joins chains at cells where just two meet, to chains of new points. */
 static tz_status splice(centring *c, ended *e)
 {
-    const int32_t n = list_ends(c, e), chains = c->chain.n;
+    const int32_t n = tz_centring_ends(c, e), chains = c->chain.n;
     int32_t *next = NULL;
     tz_status s = tz_alloc(c->ctx, &next, 2 * (size_t)chains, sizeof *next);
     if (s != TZ_OK)
@@ -442,7 +416,7 @@ static tz_status splice(centring *c, ended *e)
 /* Drops what is connected and not four times as long as wide. */
 static tz_status drop_stout(centring *c, ended *e)
 {
-    const int32_t n = list_ends(c, e);
+    const int32_t n = tz_centring_ends(c, e);
     int32_t *up = NULL;
     double *sum = NULL; /* length, and length times width */
     tz_status s = tz_alloc(c->ctx, &up, (size_t)c->chain.n, sizeof *up);
@@ -567,15 +541,21 @@ static tz_status make_chains(centring *c)
     if (s == TZ_OK)
         s = centre_chains(c);
     if (s == TZ_OK)
-        s = tz_alloc(c->ctx, &e, 4 * (size_t)c->chain.n, sizeof *e);
+        s = tz_alloc(c->ctx, &e, 2 * (size_t)c->chain.n, sizeof *e);
     if (s == TZ_OK)
         s = tz_alloc_zero(c->ctx, &degree, 2 * (size_t)c->chain.n, sizeof *degree);
     for (int round = 0; round < 2 && s == TZ_OK; round++)
         prune(c, e, degree);
     if (s == TZ_OK)
         s = splice(c, e);
+    tz_free(c->ctx, e);
+    e = NULL;
+    if (s == TZ_OK)
+        s = tz_alloc(c->ctx, &e, 2 * (size_t)c->chain.n, sizeof *e);
     if (s == TZ_OK)
         s = drop_stout(c, e);
+    if (s == TZ_OK)
+        s = tz_centring_mend(c, e);
     if (s == TZ_OK)
         s = level_widths(c);
     tz_free(c->ctx, e);
@@ -591,7 +571,7 @@ static tz_status add_paths(centring *c, uint32_t color, tz_curve_set *to, bool *
     if (s == TZ_OK)
         s = tz_alloc_zero(c->ctx, &degree, 2 * (size_t)c->chain.n, sizeof *degree);
     if (s == TZ_OK) {
-        const int32_t n = list_ends(c, e);
+        const int32_t n = tz_centring_ends(c, e);
         for (int32_t i = 0; i < n; i++) {
             const bool alone = (i == 0 || e[i - 1].cell != e[i].cell) &&
                                (i == n - 1 || e[i + 1].cell != e[i].cell);
