@@ -71,7 +71,7 @@ static tz_status read_word(tz_ctx *ctx, span w, const tz_element_set *set,
                            tz_growth_texture *t)
 {
     const char *eq = memchr(w.v, '=', (size_t)w.n);
-    double v[4];
+    double v[4] = {0};
     if (!eq)
         return bad(ctx, w, "is not one of frame=, scale=, zone= and kinds=");
     const span name = {w.v, (int)(eq - w.v)};

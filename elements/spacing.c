@@ -95,8 +95,8 @@ static tz_status gather(const tz_spacing *s, const tz_element_set *set, const tz
     const int32_t n = tz_cells_near(c, at, at[i], reach, i, near, NEAR);
     for (int32_t k = 0; k < n; k++) {
         const tz_element *f = &set->element.v[near[k].id];
-        const double share =
-            sqrt(near[k].dist2) / touch(s, e, f, (double)near[k].x, (double)near[k].y);
+        const double share = sqrt((double)near[k].dist2) /
+                             touch(s, e, f, (double)near[k].x, (double)near[k].y);
         if (!counts(set, f) || share > side_by_side)
             continue;
         const pair p = {key_of(s, class_of(s, e), class_of(s, f)), (float)share};
@@ -204,7 +204,7 @@ static tz_vec2 push_of(const relax_job *j, int32_t i)
     const int32_t n = tz_cells_near(j->cells, j->at, j->at[i], reach, i, near, NEAR);
     for (int32_t k = 0; k < n; k++) {
         const tz_element *f = &j->set->element.v[near[k].id];
-        const double d = sqrt(near[k].dist2),
+        const double d = sqrt((double)near[k].dist2),
                      least = (double)j->s->least[class_of(j->s, e) * j->s->kinds +
                                                  class_of(j->s, f)] *
                              touch(j->s, e, f, (double)near[k].x, (double)near[k].y);
