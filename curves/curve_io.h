@@ -35,8 +35,7 @@ TZ_API tz_status tz_curve_parse_svg(tz_ctx *ctx, const char *name, const char *t
 
 /** Writes one <path> a path. Reading gives the same set, bit for bit; after an editor has
  * been at it, it is read like any drawing. A foreign viewer shows it as it is.
- * @return TZ_OK; TZ_INVALID (the set is not sound); TZ_UNSUPPORTED (it holds discrete
- *   elements); TZ_IO; TZ_NOMEM */
+ * @return TZ_OK; TZ_INVALID (the set is not sound); TZ_IO; TZ_NOMEM */
 TZ_API tz_status tz_curve_write_svg(tz_ctx *ctx, const char *path, const tz_curve_set *s);
 
 #endif

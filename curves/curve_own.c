@@ -170,7 +170,7 @@ static tz_status read_nodes(own *o, tz_svg_node n, const tz_style *up, int depth
          c = tz_svg_next(c)) {
         tz_style style;
         const bool group = tz_svg_is(c, "g"), path = tz_svg_is(c, "path");
-        if (tz_svg_attr(c, "tz:copy") || tz_svg_is(c, "defs") ||
+        if (tz_svg_attr(c, "tz:copy") || tz_svg_is(c, "defs") || tz_svg_is(c, "use") ||
             tz_svg_is(c, "metadata") || tz_svg_is(c, "title"))
             continue;
         if (tz_svg_attr(c, "transform") || (!group && !path) || depth > DEEPEST) {
@@ -221,7 +221,28 @@ static tz_status read_root(own *o)
     return TZ_OK;
 }
 
-tz_status tz_curve_read_own(tz_element_reader *r, tz_curve_set *out, bool *own_document)
+/* The discrete elements among the curves, if there are to be some. */
+static tz_status read_elements(tz_element_reader *r, const char *text, tz_curve_set *set)
+{
+    const char *some = tz_svg_attr(tz_svg_root(r->doc), "tz:elements");
+    if (!some || strcmp(some, "1") != 0)
+        return TZ_OK;
+    tz_array_free(r->ctx, &r->rule); /* the style is loaded again */
+    tz_free(r->ctx, r->css);
+    r->css = NULL;
+    const tz_status s = tz_element_read_own(r, text);
+    if (s != TZ_OK)
+        return s;
+    set->element = r->set;
+    memset(&r->set, 0, sizeof r->set);
+    r->set.ctx = r->ctx;
+    tz_free(r->ctx, set->element.recipe); /* it is the curves' */
+    set->element.recipe = NULL;
+    return TZ_OK;
+}
+
+tz_status tz_curve_read_own(tz_element_reader *r, const char *text, tz_curve_set *out,
+                            bool *own_document)
 {
     const tz_svg_node root = tz_svg_root(r->doc), pens = tz_svg_by_id(r->doc, "tz-pens");
     tz_curve_set set = {.ctx = r->ctx, .element = {.ctx = r->ctx}};
@@ -243,8 +264,12 @@ tz_status tz_curve_read_own(tz_element_reader *r, tz_curve_set *out, bool *own_d
     tz_array_free(NULL, &o.number);
     *own_document = s == TZ_OK && !o.changed;
     if (*own_document) {
-        *out = set;
-        return TZ_OK;
+        s = read_elements(r, text, &set);
+        if (s == TZ_OK)
+            *out = set;
+        else
+            tz_curve_set_deinit(&set);
+        return s;
     }
     tz_curve_set_deinit(&set);
     tz_array_free(r->ctx, &r->rule); /* the style is loaded again */

@@ -252,8 +252,8 @@ static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options 
 
 /* ---- documents --------------------------------------------------------------------- */
 
-static tz_status read_document(tz_element_reader *r, const tz_curve_read_options *opt,
-                               tz_curve_set *out)
+static tz_status read_document(tz_element_reader *r, const char *text,
+                               const tz_curve_read_options *opt, tz_curve_set *out)
 {
     const tz_svg_node root = tz_svg_root(r->doc);
     const char *kind = tz_svg_attr(root, "tz:document");
@@ -263,7 +263,7 @@ static tz_status read_document(tz_element_reader *r, const tz_curve_read_options
                        "%s:%d: this document holds %.40s, not curves; give a drawing",
                        r->name, tz_svg_line(root), kind);
     if (kind) {
-        const tz_status s = tz_curve_read_own(r, out, &own);
+        const tz_status s = tz_curve_read_own(r, text, out, &own);
         if (s != TZ_OK || own)
             return s;
     }
@@ -279,7 +279,7 @@ tz_status tz_curve_parse_svg(tz_ctx *ctx, const char *name, const char *text, si
     memset(s, 0, sizeof *s);
     tz_status st = tz_svg_parse(ctx, name, text, size, &r.doc);
     if (st == TZ_OK)
-        st = read_document(&r, options ? options : &plain, &out);
+        st = read_document(&r, text, options ? options : &plain, &out);
     if (st == TZ_OK)
         st = tz_curve_set_check(ctx, &out, name);
     if (st == TZ_OK)

@@ -6,13 +6,16 @@
  *     <defs><g id="tz-pens"><g tz:pen="width rrggbbaa cap join"/> ...</g></defs>
  *     <rect fill=... tz:copy="1"/>                the background
  *     <g id="tz-curves" fill="none">
- *       <path d="M ... L ... C ..." stroke=... tz:pen="0" tz:nodes="0 1 2 ..."/> */
+ *       <path d="M ... L ... C ..." stroke=... tz:pen="0" tz:nodes="0 1 2 ..."/>
+ *
+ * and, where tz:elements="1", discrete elements as elements/element_write.c writes them. */
 #include "curves/curve_io.h"
 
 #include <inttypes.h>
 #include <string.h>
 
 #include "base/svg.h"
+#include "elements/element_write_internal.h"
 
 typedef TZ_ARRAY(char)
 text;
@@ -122,13 +125,11 @@ static tz_status put_path(tz_svg_writer *w, const tz_curve_set *s, const tz_curv
 tz_status tz_curve_write_svg(tz_ctx *ctx, const char *path, const tz_curve_set *s)
 {
     const double size[3] = {s->domain.size.x, s->domain.size.y, s->domain.size.z};
+    const bool elements = s->element.element.n > 0;
     tz_svg_writer w;
     tz_status st = tz_curve_set_check(ctx, s, path);
-    if (st == TZ_OK && s->element.element.n > 0)
-        st = tz_fail(ctx, TZ_UNSUPPORTED,
-                     "%s: curves and elements in one document are not written yet; write "
-                     "the elements apart",
-                     path);
+    if (st == TZ_OK && elements)
+        st = tz_element_put_check(ctx, path, &s->element);
     if (st == TZ_OK)
         st = tz_svg_writer_open(ctx, path, size[0], size[1], &w);
     if (st != TZ_OK)
@@ -137,6 +138,8 @@ tz_status tz_curve_write_svg(tz_ctx *ctx, const char *path, const tz_curve_set *
     tz_svg_set_numbers(&w, "tz:size", size, 3);
     tz_svg_set(&w, "tz:torus", s->domain.torus ? "1" : "0");
     tz_svg_setf(&w, "tz:background", "%08" PRIx32, s->background);
+    if (elements)
+        tz_svg_set(&w, "tz:elements", "1");
     if (s->recipe) {
         tz_svg_begin(&w, "metadata");
         tz_svg_set(&w, "id", "tz-recipe");
@@ -152,6 +155,8 @@ tz_status tz_curve_write_svg(tz_ctx *ctx, const char *path, const tz_curve_set *
     for (int32_t i = 0; i < s->path.n && st == TZ_OK; i++)
         st = put_path(&w, s, &s->path.v[i]);
     tz_svg_end(&w);
+    if (st == TZ_OK && elements)
+        st = tz_element_put_set(ctx, path, &w, &s->element);
     if (st != TZ_OK) {
         tz_svg_writer_abort(&w);
         return st;

@@ -262,13 +262,37 @@ static tz_status check_ids(tz_ctx *ctx, const char *path, const tz_element_set *
     return st;
 }
 
+tz_status tz_element_put_set(tz_ctx *ctx, const char *path, tz_svg_writer *w,
+                             const tz_element_set *s)
+{
+    tz_svg_begin(w, "defs");
+    put_kinds(w, s);
+    const tz_status st = tz_element_put_photos(ctx, path, w, s);
+    if (s->background)
+        put_background(w, s);
+    put_symbols(w, s);
+    tz_svg_end(w);
+    tz_element_put_plate(w, s);
+    if (s->background) {
+        tz_svg_begin(w, "use");
+        tz_svg_set(w, "xlink:href", "#tz-background");
+        tz_svg_set(w, "tz:copy", "1");
+        tz_svg_end(w);
+    }
+    return st == TZ_OK ? put_elements(w, s) : st;
+}
+
+tz_status tz_element_put_check(tz_ctx *ctx, const char *path, const tz_element_set *s)
+{
+    const tz_status st = tz_element_set_check(ctx, s, path);
+    return st == TZ_OK ? check_ids(ctx, path, s) : st;
+}
+
 tz_status tz_element_write_svg(tz_ctx *ctx, const char *path, const tz_element_set *s)
 {
     const double size[3] = {s->domain.size.x, s->domain.size.y, s->domain.size.z};
     tz_svg_writer w;
-    tz_status st = tz_element_set_check(ctx, s, path);
-    if (st == TZ_OK)
-        st = check_ids(ctx, path, s);
+    tz_status st = tz_element_put_check(ctx, path, s);
     if (st == TZ_OK)
         st = tz_svg_writer_open(ctx, path, size[0], size[1], &w);
     if (st != TZ_OK)
@@ -282,22 +306,7 @@ tz_status tz_element_write_svg(tz_ctx *ctx, const char *path, const tz_element_s
         tz_svg_put_text(&w, s->recipe);
         tz_svg_end(&w);
     }
-    tz_svg_begin(&w, "defs");
-    put_kinds(&w, s);
-    st = tz_element_put_photos(ctx, path, &w, s);
-    if (s->background)
-        put_background(&w, s);
-    put_symbols(&w, s);
-    tz_svg_end(&w);
-    tz_element_put_plate(&w, s);
-    if (s->background) {
-        tz_svg_begin(&w, "use");
-        tz_svg_set(&w, "xlink:href", "#tz-background");
-        tz_svg_set(&w, "tz:copy", "1");
-        tz_svg_end(&w);
-    }
-    if (st == TZ_OK)
-        st = put_elements(&w, s);
+    st = tz_element_put_set(ctx, path, &w, s);
     if (st != TZ_OK) {
         tz_svg_writer_abort(&w);
         return st;

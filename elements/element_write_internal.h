@@ -25,4 +25,12 @@ void tz_element_put_cut(tz_svg_writer *w, const tz_element_symbol *y);
 /** The plate over the whole domain, marked tz:copy, where photo 0 has one. */
 void tz_element_put_plate(tz_svg_writer *w, const tz_element_set *s);
 
+/** What a document cannot hold: a set that is not sound, two symbols of one id.
+ * @return TZ_OK; TZ_INVALID; TZ_NOMEM */
+tz_status tz_element_put_check(tz_ctx *ctx, const char *path, const tz_element_set *s);
+/** Definitions and elements of a checked set, into an open root: documents that hold other
+ * things, too, call this. */
+tz_status tz_element_put_set(tz_ctx *ctx, const char *path, tz_svg_writer *w,
+                             const tz_element_set *s);
+
 #endif

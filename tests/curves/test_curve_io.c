@@ -9,6 +9,7 @@
 #include "base/rng.h"
 #include "curves/curve_io.h"
 #include "curves/curve_join.h"
+#include "tests/support/elements.h"
 
 #define HEAD                                     \
     "<svg xmlns=\"http://www.w3.org/2000/svg\" " \
@@ -261,6 +262,32 @@ static void test_round_trip(void **state)
     end_dir(dir);
 }
 
+/* Discrete elements among the curves come back, too. */
+static void test_with_elements(void **state)
+{
+    (void)state;
+    char dir[64], path[100];
+    tz_curve_set a, b;
+    begin_dir(dir);
+    snprintf(path, sizeof path, "%s/a.svg", dir);
+    scribble(&a, 4, 12);
+    tz_element_set_deinit(&a.element);
+    ok(ctx, drawn_hexagons(ctx, 5, 4, 0.3, false, &a.element));
+    a.element.domain = a.domain;
+    ok(ctx, tz_curve_write_svg(ctx, path, &a));
+    ok(ctx, tz_curve_read_svg(ctx, path, NULL, &b));
+    same(&a, &b);
+    assert_int_equal(b.element.element.n, a.element.element.n);
+    for (int32_t i = 0; i < a.element.element.n; i++) {
+        const tz_element *p = &a.element.element.v[i], *q = &b.element.element.v[i];
+        assert_true(p->at.x == q->at.x && p->at.y == q->at.y && p->angle == q->angle &&
+                    p->kind == q->kind && p->radius == q->radius);
+    }
+    tz_curve_set_deinit(&a);
+    tz_curve_set_deinit(&b);
+    end_dir(dir);
+}
+
 /* A document that an editor has changed is read as the drawing that it is. */
 static void test_edited(void **state)
 {
@@ -402,6 +429,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_curved_crossings, begin, end),
         cmocka_unit_test_setup_teardown(test_bad, begin, end),
         cmocka_unit_test_setup_teardown(test_round_trip, begin, end),
+        cmocka_unit_test_setup_teardown(test_with_elements, begin, end),
         cmocka_unit_test_setup_teardown(test_edited, begin, end),
         cmocka_unit_test_setup_teardown(test_join_again, begin, end),
         cmocka_unit_test_setup_teardown(test_many_crossings, begin, end),
