@@ -235,7 +235,7 @@ static tz_status add_part(tz_curve_work *w, tz_curve_set *to, const tz_curve_pie
 static tz_status cut_pieces(tz_curve_work *w, tz_curve_set *to)
 {
     const tz_curve_set *s = &w->set;
-    const tz_curve_cut *cut = w->cut.v, *end = cut + w->cut.n;
+    int32_t at = 0; /* of the cuts */
     tz_status st = TZ_OK;
     if (w->cut.n > 1)
         qsort(w->cut.v, (size_t)w->cut.n, sizeof *w->cut.v, by_place);
@@ -247,8 +247,8 @@ static tz_status cut_pieces(tz_curve_work *w, tz_curve_set *to)
         for (int32_t k = p->piece; k < p->piece + p->pieces && st == TZ_OK; k++) {
             double t[2] = {0, 0};
             int32_t node[2] = {s->piece.v[k].from, 0};
-            for (; cut && cut < end && cut->piece == k && st == TZ_OK; cut++) {
-                t[1] = cut->t, node[1] = cut->node;
+            for (; at < w->cut.n && w->cut.v[at].piece == k && st == TZ_OK; at++) {
+                t[1] = w->cut.v[at].t, node[1] = w->cut.v[at].node;
                 st = add_part(w, to, &s->piece.v[k], t, node);
                 t[0] = t[1], node[0] = node[1];
             }
