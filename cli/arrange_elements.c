@@ -127,7 +127,7 @@ static tz_status arrange(run_state *r)
     tz_figures_seconds(cli, "grow", report.grow);
     tz_figures_seconds(cli, "solve", report.solve);
     tz_figures_count(cli, "placements", report.elements);
-    tz_figures_count(cli, "percent filled", (int64_t)rint(100 * report.filled));
+    tz_figures_count(cli, "percent_filled", (int64_t)rint(100 * report.filled));
     return TZ_OK;
 }
 
