@@ -323,7 +323,7 @@ bench_elements() {
     "$tools/bench_energy" | sed 's/^/  /'
     echo
     echo "  mean neighbourhood distance over time ([Dav19] Fig. 17): $out/distance.svg"
-    "$tools/bench_elements" distance "$out" | sed 's/^/  /'
+    "$tools/bench_elements" distance "$out/distance" | sed 's/^/  /'
 }
 
 bench_likeness() {
