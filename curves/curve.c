@@ -148,6 +148,8 @@ void tz_curve_set_deinit(tz_curve_set *s)
     tz_array_free(s->ctx, &s->node);
     tz_array_free(s->ctx, &s->piece);
     tz_array_free(s->ctx, &s->path);
+    tz_array_free(s->ctx, &s->taper);
+    tz_array_free(s->ctx, &s->origin);
     tz_array_free(s->ctx, &s->pen);
     tz_free(s->ctx, s->recipe);
     s->recipe = NULL;
@@ -162,6 +164,8 @@ tz_status tz_curve_set_like(tz_ctx *ctx, const tz_curve_set *from,
                         .domain = domain ? *domain : from->domain,
                         .background = from->background,
                         .element = {.ctx = ctx}};
+    if (from->element.kind.n > 0 || from->element.photo.n > 0 || from->element.background)
+        s = tz_element_set_like(ctx, &from->element, &out.domain, &out.element);
     for (int32_t i = 0; i < from->pen.n && s == TZ_OK; i++)
         s = tz_array_push(ctx, &out.pen, from->pen.v[i]);
     if (s != TZ_OK) {
@@ -235,6 +239,28 @@ static tz_status check_nodes(tz_ctx *ctx, const tz_curve_set *s, const char *nam
     return st;
 }
 
+/* Tapers and origins, which are there for all pieces or for none. */
+static tz_status check_shapes(tz_ctx *ctx, const tz_curve_set *s, const char *name)
+{
+    if ((s->taper.n && s->taper.n != s->piece.n) ||
+        (s->origin.n && s->origin.n != s->piece.n))
+        return tz_fail(ctx, TZ_INVALID,
+                       "%s: %d widths and %d origins for %d pieces: one each, or none",
+                       name, s->taper.n, s->origin.n, s->piece.n);
+    for (int32_t i = 0; i < s->taper.n; i++) {
+        const tz_curve_taper *t = &s->taper.v[i];
+        if (!(t->from > 0 && t->to > 0 && t->from < 1e12 && t->to < 1e12))
+            return tz_fail(ctx, TZ_INVALID, "%s: piece %d: widths %g, %g cannot be", name,
+                           i, t->from, t->to);
+    }
+    for (int32_t i = 0; i < s->origin.n; i++)
+        for (int k = 1; k < 4 && !isnan(s->origin.v[i].p[0].x); k++)
+            if (!finite2(s->origin.v[i].p[0]) || !finite2(s->origin.v[i].p[k]))
+                return tz_fail(ctx, TZ_INVALID, "%s: piece %d: its origin is no curve",
+                               name, i);
+    return TZ_OK;
+}
+
 tz_status tz_curve_set_check(tz_ctx *ctx, const tz_curve_set *s, const char *name)
 {
     if (!(s->domain.size.x > 0) || !(s->domain.size.y > 0) ||
@@ -247,6 +273,8 @@ tz_status tz_curve_set_check(tz_ctx *ctx, const tz_curve_set *s, const char *nam
             return tz_fail(ctx, TZ_INVALID,
                            "%s: pen %d: its width, cap or join cannot be", name, i);
     tz_status st = check_paths(ctx, s, name);
+    if (st == TZ_OK)
+        st = check_shapes(ctx, s, name);
     if (st == TZ_OK)
         st = check_nodes(ctx, s, name);
     if (st == TZ_OK && s->element.element.n > 0)

@@ -17,6 +17,16 @@ typedef struct tz_curve_pen {
     uint32_t cap, join; /**< butt, round, square; miter, round, bevel */
 } tz_curve_pen;
 
+/** A cubic by itself. */
+typedef struct tz_bezier {
+    tz_vec2 p[4];
+} tz_bezier;
+
+/** Widths of the line at the ends of a piece, linear by arc length between. */
+typedef struct tz_curve_taper {
+    double from, to; /**< > 0, user units */
+} tz_curve_taper;
+
 /** Cubic from node to node. A straight one has its control points at the thirds. */
 typedef struct tz_curve_piece {
     int32_t from, to; /**< tz_curve_set.node */
@@ -39,16 +49,26 @@ typedef struct tz_curve_set {
     piece; /**< in order of their paths, none left over */
     TZ_ARRAY(tz_curve_path)
     path; /**< in drawing order */
+    TZ_ARRAY(tz_curve_taper)
+    taper; /**< none, or one a piece; without any, lines are as wide as their pens */
+    TZ_ARRAY(tz_bezier)
+    origin; /**< none, or one a piece: the curve of the exemplar, in the exemplar's
+                 coordinates, whose shape and pixels the piece took, run through in the
+                 same direction; all NAN = of none. Without any, the set is an exemplar */
     TZ_ARRAY(tz_curve_pen)
     pen;
-    tz_element_set element; /**< discrete elements, above all paths; may hold none */
+    tz_element_set element; /**< discrete elements, above all paths; may hold none. Its
+                                 photo 0, if it has one, is the photo that the curves were
+                                 found in (one px a user unit of the exemplar), its
+                                 background what lies beneath the curves */
     uint32_t background;    /**< 0xrrggbbaa, aa = 0: none */
     char *recipe;           /**< JSON text of how it was made, owned; NULL = none */
     tz_ctx *ctx;
 } tz_curve_set;
 
 TZ_API void tz_curve_set_deinit(tz_curve_set *s); /**< takes zeroed */
-/** Domain, pens and background of `from`, no paths and no elements.
+/** Domain, pens, background and photos of `from`, and kinds and symbols of its elements:
+ * no paths, no elements.
  * @param domain   NULL = that of `from`
  * @param[out] to  overwritten, not freed; zeroed on error
  * @return TZ_OK; TZ_NOMEM */
@@ -75,11 +95,6 @@ TZ_API tz_status tz_curve_cubic(tz_curve_set *s, int32_t from, int32_t to, tz_ve
 TZ_API void tz_curve_end(tz_curve_set *s, bool closed);
 
 /* ---- geometry of one piece ------------------------------------------------------- */
-
-/** A piece as four points, the nodes looked up. */
-typedef struct tz_bezier {
-    tz_vec2 p[4];
-} tz_bezier;
 
 static inline tz_bezier tz_curve_bezier(const tz_curve_set *s, const tz_curve_piece *p)
 {

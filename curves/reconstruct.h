@@ -19,6 +19,18 @@
 TZ_API tz_status tz_curve_reconstruct(tz_ctx *ctx, const tz_sample_graph *g,
                                       const tz_curve_set *like, tz_curve_set *to);
 
+/** The same with the exemplar's own lines: an edge that is like one of the exemplar's takes
+ * its shape, turned, scaled and bent so that it runs from sample to sample in the directions
+ * that the path has there; at shared samples the pieces go on smoothly. Pieces carry their
+ * origin, and tapers where the exemplar has them.
+ * @param exemplar  the graph that g's edges are like (tz_curve_edge.like); others are
+ *   interpolated
+ * @return as tz_curve_reconstruct; TZ_INVALID (an edge is like one that does not exist)
+ * @source goes beyond [Tu20] Sec. 4.4.2, which loses the exemplar's line character */
+TZ_API tz_status tz_curve_reconstruct_detail(tz_ctx *ctx, const tz_sample_graph *g,
+                                             const tz_sample_graph *exemplar,
+                                             const tz_curve_set *like, tz_curve_set *to);
+
 /** How far curves lie apart.
  * @param step  way between the points that are measured, user units, > 0
  * @param[out] mean, most  distance from points of `a` to the nearest of `b`, user units

@@ -272,7 +272,7 @@ static tz_status add_edge(sampler *k, int32_t from, int32_t to, int32_t pen,
     const uint64_t key = pair_key(from, to);
     k->joined.v[pair_slot(k, key)] = key;
     k->pairs++;
-    s = tz_array_push(k->ctx, &g->edge, ((tz_curve_edge){from, to, pen, 1}));
+    s = tz_array_push(k->ctx, &g->edge, ((tz_curve_edge){.from = from, .to = to, .pen = pen, .existence = 1, .like = -1}));
     for (int i = 0; i < 2 && s == TZ_OK; i++)
         s = tz_array_push(k->ctx, &g->turn, turn[i]);
     return s;
@@ -464,6 +464,8 @@ void tz_sample_graph_deinit(tz_sample_graph *g)
     tz_array_free(g->ctx, &g->edge);
     tz_array_free(g->ctx, &g->link);
     tz_array_free(g->ctx, &g->turn);
+    tz_array_free(g->ctx, &g->shape);
+    tz_array_free(g->ctx, &g->taper);
 }
 
 tz_status tz_sample_graph_make(tz_ctx *ctx, const tz_curve_set *s, double spacing,

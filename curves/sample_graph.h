@@ -37,6 +37,12 @@ typedef struct tz_curve_edge {
     int32_t from, to; /**< samples, not the same one; no two edges join the same two */
     int32_t pen;      /**< tz_curve_set.pen of the exemplar */
     double existence; /**< confidence 0 .. 1; 1 in exemplars */
+    int32_t shape,
+        shapes;   /**< exemplars: graph.shape[shape .. shape + shapes - 1], what it
+                                runs along, in its direction; 0 shapes: a straight line */
+    int32_t like; /**< output: edge of the exemplar's graph that it is matched with, -1 =
+                       none; in exemplars -1 */
+    bool back;    /**< output: `like` runs the other way */
 } tz_curve_edge;
 
 typedef struct tz_sample_graph {
@@ -51,6 +57,10 @@ typedef struct tz_sample_graph {
     link; /**< by sample; order of the edges' angles is not defined */
     TZ_ARRAY(double)
     turn; /**< by sample: directions in which curves leave, [0, 2 pi), y down */
+    TZ_ARRAY(tz_bezier)
+    shape; /**< exemplars: the curves along edges */
+    TZ_ARRAY(tz_curve_taper)
+    taper; /**< none, or one a shape: widths at its ends */
     tz_ctx *ctx;
 } tz_sample_graph;
 

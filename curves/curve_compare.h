@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * How like an exemplar a layout of curves is: statistics of both, each difference over the
+ * one that two halves of the exemplar have between them (1 = as like as its own halves).
+ */
+#ifndef TZ_CURVES_CURVE_COMPARE_H
+#define TZ_CURVES_CURVE_COMPARE_H
+
+#include "curves/curve.h"
+
+enum { TZ_CURVE_DEGREES = 8 /**< node degrees 1 .. 7 and more */ };
+
+typedef struct tz_curve_likeness {
+    double degrees; /**< histogram of node degrees per length: ratio */
+    double ends;    /**< dangling ends per length: ratio */
+    double edges;   /**< lengths of edges between junctions and ends: ratio */
+    double
+        turning; /**< angles by which lines turn within a short way, of several lengths: ratio */
+    double orientation; /**< directions of lines, weighted by length: ratio */
+    double density;     /**< length per area: ratio */
+    double cells;       /**< areas of the cells that lines enclose: ratio */
+    double
+        patches; /**< patches of the distance transform: nearest of the exemplar: ratio */
+    double mean; /**< of all ratios */
+    double length[2];   /**< length per area, exemplar, layout, 1 / user unit */
+    double dangling[2]; /**< dangling ends per length, exemplar, layout, 1 / user unit */
+    double degree[2]
+                 [TZ_CURVE_DEGREES]; /**< share of nodes of degree 1, 2 (corners), 3, ..
+                                             of exemplar, layout; sums to 1 */
+    double degree_off; /**< half the sum of differences of the two: 0 .. 1 */
+    double repeats;    /**< share of the layout's length that occurs in it a second time,
+                            verbatim, in a run of over a quarter of the exemplar's shorter
+                            side */
+} tz_curve_likeness;
+
+/** Crossings count as nodes. What the border cuts counts with regard to that: ends at the
+ * border are none, edges and cells that it cuts are corrected for. Guided layouts (region,
+ * frames) are measured inside their region; orientation against the frames.
+ * @param[out] out  untouched on error
+ * @return TZ_OK; TZ_INVALID (too little to have statistics); TZ_NOMEM; TZ_CANCELLED
+ * @cost O(n log n) by pieces, and O(pixels) of rasters of at most 2048 a side */
+TZ_API tz_status tz_curve_compare(tz_ctx *ctx, const tz_curve_set *exemplar,
+                                  const tz_curve_set *layout, tz_curve_likeness *out);
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * The last pass over synthesised curves: gaps are closed and stubs taken away, as far as
+ * the exemplar has none of them; junctions fall into one point; what runs on is one path.
+ * @source [Tu20] Sec. 5.1 names dangling and broken ends as a limit of the method */
+#ifndef TZ_CURVES_FINISH_H
+#define TZ_CURVES_FINISH_H
+
+#include "curves/curve.h"
+
+typedef struct tz_curve_finish_report {
+    int32_t
+        closed; /**< gaps: ends drawn to another end, or on to a line that they point at */
+    int32_t removed; /**< stubs, crumbs and doubled lines */
+    int32_t
+        ends[2]; /**< dangling ends before and after, apart from those at the border */
+} tz_curve_finish_report;
+
+/** Brings dangling ends to the number per length that the exemplar has (ends at the
+ * domain's border are none), the worst first: an end within reach of another end or of a
+ * line ahead of it is joined to it by a piece that keeps both tangents, a stub shorter than
+ * the exemplar's shortest free branches goes. Fixed things (the paths of `given`) are not
+ * moved.
+ * @param exemplar  what tells which ends are right
+ * @param given     NULL, or paths which must stay as they are
+ * @param[in,out] s  domain may be a torus or have a region; origins and tapers are kept;
+ *   unchanged on error
+ * @param[out] report  NULL, or what was done
+ * @return TZ_OK; TZ_NOMEM; TZ_CANCELLED; TZ_LIMIT
+ * @cost O(n log n) */
+TZ_API tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
+                                 const tz_curve_set *given, tz_curve_set *s,
+                                 tz_curve_finish_report *report);
+
+#endif
