@@ -13,12 +13,10 @@
 
 #define AT(m) offsetof(tz_medium_params, m)
 static const tz_param medium_rows[] = {
-    {"as", TZ_PARAM_ENUM, AT(as), 0, 0, "usual", "", "usual|auto|edges|elements",
-     "What the picture is taken as: edge groups of a photo, or elements of a drawing or "
-     "a "
-     "photo; usual = elements of drawings, edges of photos; expand --as auto decides by "
-     "what "
-     "is in the photo."},
+    {"as", TZ_PARAM_ENUM, AT(as), 0, 0, "usual", "", "usual|auto|edges|elements|curves",
+     "What the picture is taken as: edge groups of a photo; elements, or curves, of a "
+     "drawing or a photo; usual = elements of drawings (curves of documents of curves), "
+     "edges of photos; expand --as auto decides by what is in the photo."},
     {"wrap", TZ_PARAM_BOOL, AT(wrap), 0, 1, "false", "", NULL,
      "Elements: the drawing is a tile that repeats (--no-wrap: it is none); found out "
      "where neither is given."},
@@ -93,22 +91,24 @@ tz_status tz_medium_settle(tz_cli *cli, const char *path, const tz_medium_params
     tz_status s = svg ? tz_document_kind(cli, path, kind) : TZ_OK;
     if (s != TZ_OK)
         return s;
-    const bool groups = strcmp(kind, "edge-groups") == 0;
+    const bool groups = strcmp(kind, "edge-groups") == 0,
+               curves = strcmp(kind, "curves") == 0;
     if (strcmp(kind, "layout") == 0)
         return tz_fail(cli->ctx, TZ_INVALID,
                        "%s: is a layout already; give a photo, a drawing or an exemplar, "
                        "or make its pixels with render",
                        path);
-    if (p->as == TZ_AS_ELEMENTS && groups)
+    if ((p->as == TZ_AS_ELEMENTS || p->as == TZ_AS_CURVES) && groups)
         return tz_fail(cli->ctx, TZ_INVALID,
                        "%s: holds the edge groups of a photo; analyze the photo again "
-                       "with --as elements",
-                       path);
+                       "with --as %s",
+                       path, p->as == TZ_AS_CURVES ? "curves" : "elements");
     if (p->as == TZ_AS_EDGES && svg && !groups)
         return tz_fail(cli->ctx, TZ_INVALID,
                        "%s: is a drawing, which has no edge groups; leave out --as edges",
                        path);
     *as = p->as >= TZ_AS_EDGES ? (tz_as)p->as
+          : curves             ? TZ_AS_CURVES
           : svg && !groups     ? TZ_AS_ELEMENTS
                                : TZ_AS_EDGES;
     return TZ_OK;

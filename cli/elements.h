@@ -10,9 +10,16 @@
 #include "elements/element_arrange.h"
 #include "elements/palette.h"
 
-/** What a picture is taken as. Usual: elements of drawings, edges of photos; auto: by what
- * is in the photo, where a command can tell, else as usual. */
-typedef enum tz_as { TZ_AS_USUAL, TZ_AS_AUTO, TZ_AS_EDGES, TZ_AS_ELEMENTS } tz_as;
+/** What a picture is taken as. Usual: curves of curve documents, elements of other
+ * drawings, edges of photos; auto: by what is in the photo, where a command can tell, else
+ * as usual. */
+typedef enum tz_as {
+    TZ_AS_USUAL,
+    TZ_AS_AUTO,
+    TZ_AS_EDGES,
+    TZ_AS_ELEMENTS,
+    TZ_AS_CURVES
+} tz_as;
 
 /** Table: tz_medium_param_table. */
 typedef struct tz_medium_params {
@@ -31,7 +38,7 @@ typedef struct tz_guide_params {
 extern const tz_param_table tz_guide_param_table;
 
 /** What an SVG document is by its root's tz:document: "elements", "edge-groups",
- * "layout"; "" = somebody's drawing. The first 16 KiB are looked at. */
+ * "layout", "curves"; "" = somebody's drawing. The first 16 KiB are looked at. */
 tz_status tz_document_kind(tz_cli *cli, const char *path, char kind[32]);
 /** What a command takes its first operand as. Photos are edges where nothing is said.
  * @return TZ_OK; TZ_INVALID where `as` contradicts the document */
