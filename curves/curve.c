@@ -120,7 +120,8 @@ static tz_status add_piece(tz_curve_set *s, tz_curve_piece p)
 
 tz_status tz_curve_line(tz_curve_set *s, int32_t from, int32_t to)
 {
-    const tz_bezier c = tz_bezier_line(s->node.v[from], s->node.v[to]);
+    const tz_vec2 p = s->node.v[from];
+    const tz_bezier c = tz_bezier_line(p, tz_curve_copy(&s->domain, s->node.v[to], p));
     return add_piece(
         s, (tz_curve_piece){
                .from = from, .to = to, .a = c.p[1], .b = c.p[2], .straight = true});
@@ -139,6 +140,49 @@ void tz_curve_end(tz_curve_set *s, bool closed)
         return;
     }
     p->closed = closed && s->piece.v[p->piece].from == s->piece.v[s->piece.n - 1].to;
+}
+
+tz_curve_piece tz_curve_reversed(const tz_curve_set *s, const tz_curve_piece *p)
+{
+    const tz_vec2 back = tz_vec2_sub(s->node.v[p->to], tz_curve_piece_end(s, p));
+    tz_curve_piece r = {p->to, p->from, tz_vec2_add(p->b, back), tz_vec2_add(p->a, back),
+                        p->straight};
+    if (p->straight) {
+        const tz_vec2 from = s->node.v[p->to];
+        const tz_bezier c =
+            tz_bezier_line(from, tz_curve_copy(&s->domain, s->node.v[p->from], r.b));
+        r.a = c.p[1], r.b = c.p[2];
+    }
+    return r;
+}
+
+void tz_curve_wrap(tz_curve_set *s)
+{
+    const tz_vec3 size = s->domain.size;
+    if (!s->domain.torus)
+        return;
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        tz_curve_piece *p = &s->piece.v[i];
+        const tz_vec2 at = s->node.v[p->from], end = tz_curve_piece_end(s, p);
+        const tz_vec2 by = {tz_domain_wrap_axis(at.x, size.x) - at.x,
+                            tz_domain_wrap_axis(at.y, size.y) - at.y};
+        p->a = tz_vec2_add(p->a, by);
+        p->b = tz_vec2_add(p->b, by);
+        if (p->straight) { /* its thirds to the bit, when its ends have moved */
+            const tz_vec2 to = s->node.v[p->to], in = {tz_domain_wrap_axis(to.x, size.x),
+                                                       tz_domain_wrap_axis(to.y, size.y)};
+            const tz_bezier c =
+                tz_bezier_line((tz_vec2){tz_domain_wrap_axis(at.x, size.x),
+                                         tz_domain_wrap_axis(at.y, size.y)},
+                               tz_curve_copy(&s->domain, in, tz_vec2_add(end, by)));
+            p->a = c.p[1], p->b = c.p[2];
+        }
+    }
+    for (int32_t i = 0; i < s->node.n; i++) {
+        tz_vec2 *p = &s->node.v[i];
+        p->x = tz_domain_wrap_axis(p->x, size.x);
+        p->y = tz_domain_wrap_axis(p->y, size.y);
+    }
 }
 
 /* ---- sets ------------------------------------------------------------------------ */
@@ -163,6 +207,7 @@ tz_status tz_curve_set_like(tz_ctx *ctx, const tz_curve_set *from,
     tz_curve_set out = {.ctx = ctx,
                         .domain = domain ? *domain : from->domain,
                         .background = from->background,
+                        .unit_mm = from->unit_mm,
                         .element = {.ctx = ctx}};
     if (from->element.kind.n > 0 || from->element.photo.n > 0 || from->element.background)
         s = tz_element_set_like(ctx, &from->element, &out.domain, &out.element);
@@ -192,7 +237,7 @@ static const char *path_fault(const tz_curve_set *s, const tz_curve_path *p)
             return "a piece ends at a node that does not exist";
         if (!finite2(c->a) || !finite2(c->b))
             return "a control point is not finite";
-        const tz_bezier b = tz_bezier_line(s->node.v[c->from], s->node.v[c->to]);
+        const tz_bezier b = tz_bezier_line(s->node.v[c->from], tz_curve_piece_end(s, c));
         if (c->straight && (!equal(c->a, b.p[1]) || !equal(c->b, b.p[2])))
             return "a straight piece has control points off its thirds";
         if (i > p->piece && c[-1].to != c->from)
@@ -235,6 +280,12 @@ static tz_status check_nodes(tz_ctx *ctx, const tz_curve_set *s, const char *nam
         if (!used[i] || !finite2(s->node.v[i]))
             st = tz_fail(ctx, TZ_INVALID, "%s: node %d %s", name, i,
                          used[i] ? "is not finite" : "belongs to no piece");
+    for (int32_t i = 0; i < s->node.n && st == TZ_OK && s->domain.torus; i++) {
+        const tz_vec2 p = s->node.v[i];
+        if (!(p.x >= 0 && p.y >= 0 && p.x < s->domain.size.x && p.y < s->domain.size.y))
+            st = tz_fail(ctx, TZ_INVALID, "%s: node %d lies outside of the torus", name,
+                         i);
+    }
     tz_free(ctx, used);
     return st;
 }

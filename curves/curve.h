@@ -27,7 +27,15 @@ typedef struct tz_curve_taper {
     double from, to; /**< > 0, user units */
 } tz_curve_taper;
 
-/** Cubic from node to node. A straight one has its control points at the thirds. */
+/** Cubic from node to node. A straight one has its control points at the thirds.
+ *
+ * On a torus (set.domain.torus) nodes lie in [0, size). A piece begins at its node `from`
+ * there; its control points and its end are not wrapped: it ends at the copy of node `to`
+ * that is nearest to `b` (tz_curve_piece_end), which may lie outside of the rectangle. The
+ * piece behind it begins anew at node `to` in the rectangle. Whoever uses tz_curve_bezier
+ * gets this right; who walks along a path adds up the steps end - node. A closed path may
+ * run around the torus. Documents show such paths drawn through, and shifted copies of
+ * what crosses the border (marked tz:copy), so that any viewer shows a tile. */
 typedef struct tz_curve_piece {
     int32_t from, to; /**< tz_curve_set.node */
     tz_vec2 a, b;     /**< control points */
@@ -62,6 +70,7 @@ typedef struct tz_curve_set {
                                  found in (one px a user unit of the exemplar), its
                                  background what lies beneath the curves */
     uint32_t background;    /**< 0xrrggbbaa, aa = 0: none */
+    double unit_mm;         /**< length of a user unit on paper, mm; 0 = none is known */
     char *recipe;           /**< JSON text of how it was made, owned; NULL = none */
     tz_ctx *ctx;
 } tz_curve_set;
@@ -87,19 +96,42 @@ TZ_API tz_status tz_curve_add_node(tz_curve_set *s, tz_vec2 at, int32_t *id);
 TZ_API tz_status tz_curve_add_pen(tz_curve_set *s, tz_curve_pen pen, int32_t *id);
 /** Opens an empty path, which pieces are then appended to. */
 TZ_API tz_status tz_curve_begin(tz_curve_set *s, int32_t pen);
+/** On a torus to the copy of `to` nearest to `from`. */
 TZ_API tz_status tz_curve_line(tz_curve_set *s, int32_t from, int32_t to);
+/** @param a, b  beside node `from` as it lies, see tz_curve_piece */
 TZ_API tz_status tz_curve_cubic(tz_curve_set *s, int32_t from, int32_t to, tz_vec2 a,
                                 tz_vec2 b);
 /** Ends the path: closed if it is to be and returns to its first node; one without pieces
  * goes away. */
 TZ_API void tz_curve_end(tz_curve_set *s, bool closed);
 
+/** Brings the nodes of a torus into [0, size), control points along: so paths may be
+ * built beyond its border first. Nodes that come to lie on one another stay two (see
+ * tz_curve_join). Nothing on a plain domain. */
+TZ_API void tz_curve_wrap(tz_curve_set *s);
+
 /* ---- geometry of one piece ------------------------------------------------------- */
 
+/** Copy of p nearest to `beside` on a torus; p itself on a plain domain. */
+static inline tz_vec2 tz_curve_copy(const tz_domain *d, tz_vec2 p, tz_vec2 beside)
+{
+    if (d->torus) {
+        p.x += floor((beside.x - p.x) / d->size.x + 0.5) * d->size.x;
+        p.y += floor((beside.y - p.y) / d->size.y + 0.5) * d->size.y;
+    }
+    return p;
+}
+/** Where a piece ends, see there. */
+static inline tz_vec2 tz_curve_piece_end(const tz_curve_set *s, const tz_curve_piece *p)
+{
+    return tz_curve_copy(&s->domain, s->node.v[p->to], p->b);
+}
 static inline tz_bezier tz_curve_bezier(const tz_curve_set *s, const tz_curve_piece *p)
 {
-    return (tz_bezier){{s->node.v[p->from], p->a, p->b, s->node.v[p->to]}};
+    return (tz_bezier){{s->node.v[p->from], p->a, p->b, tz_curve_piece_end(s, p)}};
 }
+/** The piece run through the other way. */
+TZ_API tz_curve_piece tz_curve_reversed(const tz_curve_set *s, const tz_curve_piece *p);
 /** The line from p to q, control points at the thirds. */
 TZ_API tz_bezier tz_bezier_line(tz_vec2 p, tz_vec2 q);
 TZ_API tz_vec2 tz_bezier_at(const tz_bezier *c, double t);
