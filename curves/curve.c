@@ -132,6 +132,66 @@ tz_status tz_curve_cubic(tz_curve_set *s, int32_t from, int32_t to, tz_vec2 a, t
     return add_piece(s, (tz_curve_piece){.from = from, .to = to, .a = a, .b = b});
 }
 
+/* ---- what pieces carry ------------------------------------------------------------- */
+
+tz_bezier tz_curve_no_origin(void)
+{
+    const tz_vec2 none = {NAN, NAN};
+    return (tz_bezier){{none, none, none, none}};
+}
+
+tz_curve_carry tz_curve_carried(const tz_curve_set *s, int32_t piece)
+{
+    tz_curve_carry c = {.origin = tz_curve_no_origin(),
+                        .has_taper = s->taper.n > 0,
+                        .has_origin = s->origin.n > 0};
+    if (c.has_taper)
+        c.taper = s->taper.v[piece];
+    if (c.has_origin)
+        c.origin = s->origin.v[piece];
+    return c;
+}
+
+tz_curve_carry tz_curve_carry_part(const tz_curve_carry *c, const tz_bezier *curve,
+                                   double t0, double t1)
+{
+    tz_curve_carry out = *c;
+    if (c->has_origin)
+        out.origin = tz_bezier_part(&c->origin, t0, t1);
+    if (c->has_taper && c->taper.from != c->taper.to) {
+        const tz_bezier head = tz_bezier_part(curve, 0, t0),
+                        part = tz_bezier_part(curve, t0, t1);
+        const double whole = tz_bezier_length(curve), a = tz_bezier_length(&head),
+                     b = a + tz_bezier_length(&part), by = c->taper.to - c->taper.from;
+        if (whole > 0) {
+            out.taper.from =
+                t0 > 0 ? c->taper.from + by * fmin(a / whole, 1) : c->taper.from;
+            out.taper.to = t1 < 1 ? c->taper.from + by * fmin(b / whole, 1) : c->taper.to;
+        }
+    }
+    return out;
+}
+
+tz_curve_carry tz_curve_carry_back(const tz_curve_carry *c)
+{
+    tz_curve_carry out = *c;
+    out.taper = (tz_curve_taper){c->taper.to, c->taper.from};
+    for (int i = 0; i < 4; i++)
+        out.origin.p[i] = c->origin.p[3 - i];
+    return out;
+}
+
+tz_status tz_curve_add_piece(tz_curve_set *s, const tz_curve_piece *p,
+                             const tz_curve_carry *c)
+{
+    tz_status st = TZ_OK;
+    if (c && c->has_taper)
+        st = tz_array_push(s->ctx, &s->taper, c->taper);
+    if (st == TZ_OK && c && c->has_origin)
+        st = tz_array_push(s->ctx, &s->origin, c->origin);
+    return st == TZ_OK ? add_piece(s, *p) : st;
+}
+
 void tz_curve_end(tz_curve_set *s, bool closed)
 {
     tz_curve_path *p = &s->path.v[s->path.n - 1];

@@ -101,6 +101,24 @@ TZ_API tz_status tz_curve_line(tz_curve_set *s, int32_t from, int32_t to);
 /** @param a, b  beside node `from` as it lies, see tz_curve_piece */
 TZ_API tz_status tz_curve_cubic(tz_curve_set *s, int32_t from, int32_t to, tz_vec2 a,
                                 tz_vec2 b);
+/** What a piece carries beside its curve. */
+typedef struct tz_curve_carry {
+    tz_curve_taper taper;
+    tz_bezier origin;
+    bool has_taper, has_origin; /**< the set has them */
+} tz_curve_carry;
+TZ_API tz_curve_carry tz_curve_carried(const tz_curve_set *s, int32_t piece);
+/** What the part t0 .. t1 of the piece with that curve carries. */
+TZ_API tz_curve_carry tz_curve_carry_part(const tz_curve_carry *c, const tz_bezier *curve,
+                                          double t0, double t1);
+/** What the piece carries when it is run through the other way. */
+TZ_API tz_curve_carry tz_curve_carry_back(const tz_curve_carry *c);
+/** Appends a piece as it is to the open path, with what it carries (NULL = nothing): all
+ * pieces of a set must have the same. */
+TZ_API tz_status tz_curve_add_piece(tz_curve_set *s, const tz_curve_piece *p,
+                                    const tz_curve_carry *c);
+/** An origin that says: of none. */
+TZ_API tz_bezier tz_curve_no_origin(void);
 /** Ends the path: closed if it is to be and returns to its first node; one without pieces
  * goes away. */
 TZ_API void tz_curve_end(tz_curve_set *s, bool closed);
