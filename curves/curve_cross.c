@@ -8,12 +8,14 @@
 #include <stdlib.h>
 
 enum { MAX_CROSSINGS = 8000000, MAX_CUTS = 4 * MAX_CROSSINGS, MAX_TOUCHING = 250 };
-#define MAX_PAIRS 1e9
+#define MAX_PAIRS  1e9
+#define MAX_COPIES 1e4
 
 typedef struct chord {
     tz_vec2 p, q;
-    int32_t piece;
+    int32_t piece, number; /* of this chord within it */
     float t0, t1;
+    tz_vec2 by; /* on a torus: this copy is moved so far */
 } chord;
 
 typedef struct cells {
@@ -35,6 +37,33 @@ typedef struct finder {
 
 /* ---- chords ----------------------------------------------------------------------- */
 
+/* A chord; on a torus all its copies that come near the rectangle. */
+static tz_status add_chord(finder *f, chord c)
+{
+    const tz_domain *d = &f->w->set.domain;
+    const double r = 2 * f->w->reach;
+    if (!d->torus)
+        return tz_array_push(f->w->ctx, &f->chord, c);
+    const chord at = c;
+    const double x0 = ceil((-r - fmax(c.p.x, c.q.x)) / d->size.x),
+                 x1 = floor((d->size.x + r - fmin(c.p.x, c.q.x)) / d->size.x),
+                 y0 = ceil((-r - fmax(c.p.y, c.q.y)) / d->size.y),
+                 y1 = floor((d->size.y + r - fmin(c.p.y, c.q.y)) / d->size.y);
+    tz_status s = TZ_OK;
+    if (!((x1 - x0) * (y1 - y0) < MAX_COPIES))
+        return tz_fail(f->w->ctx, TZ_LIMIT,
+                       "piece %d runs around the torus over and over; shorten it",
+                       c.piece);
+    for (double y = y0; y <= y1; y++)
+        for (double x = x0; x <= x1 && s == TZ_OK; x++) {
+            c.by = (tz_vec2){x * d->size.x, y * d->size.y};
+            c.p = tz_vec2_add(at.p, c.by);
+            c.q = tz_vec2_add(at.q, c.by);
+            s = tz_array_push(f->w->ctx, &f->chord, c);
+        }
+    return s;
+}
+
 static tz_status flatten(finder *f)
 {
     const tz_curve_set *set = &f->w->set;
@@ -47,12 +76,12 @@ static tz_status flatten(finder *f)
         tz_vec2 p = c.p[0];
         for (int32_t k = 1; k <= n && s == TZ_OK; k++) {
             const tz_vec2 q = k == n ? c.p[3] : tz_bezier_at(&c, (double)k / n);
-            s = tz_array_push(f->w->ctx, &f->chord,
-                              ((chord){.p = p,
-                                       .q = q,
-                                       .piece = i,
-                                       .t0 = (float)(k - 1) / (float)n,
-                                       .t1 = (float)k / (float)n}));
+            s = add_chord(f, (chord){.p = p,
+                                     .q = q,
+                                     .piece = i,
+                                     .number = k,
+                                     .t0 = (float)(k - 1) / (float)n,
+                                     .t1 = (float)k / (float)n});
             p = q;
         }
     }
@@ -151,6 +180,11 @@ static tz_status make_cells(finder *f)
             lo = (tz_vec2){fmin(lo.x, p.x), fmin(lo.y, p.y)};
             hi = (tz_vec2){fmax(hi.x, p.x), fmax(hi.y, p.y)};
         }
+    if (f->w->set.domain.torus) {
+        const double r = 2 * f->w->reach;
+        lo = (tz_vec2){-r, -r};
+        hi = (tz_vec2){f->w->set.domain.size.x + r, f->w->set.domain.size.y + r};
+    }
     const double w = hi.x - lo.x, h = hi.y - lo.y, most = fmax(w, h);
     /* about one chord a cell, and no more than 4096 cells a side */
     g->cell = fmax(sqrt(w * h / fmax(f->chord.n, 1)), most / 4096);
@@ -236,7 +270,7 @@ static void touch_cell(void *user, int32_t cell)
 
 static double nearness(const finder *f, tz_vec2 p, int32_t node)
 {
-    return tz_vec2_length(tz_vec2_sub(p, f->w->set.node.v[node]));
+    return tz_curve_apart(&f->w->set, p, f->w->set.node.v[node]);
 }
 
 /* Whether the cut is a place where the piece is not cut in vain: off its own ends, and
@@ -337,14 +371,31 @@ static tz_status crossing_node(finder *f, tz_vec2 at, int32_t *out)
     if (w->set.node.n - f->first >= MAX_CROSSINGS)
         return tz_fail(w->ctx, TZ_LIMIT, "over %d crossings of curves; split the drawing",
                        MAX_CROSSINGS);
-    tz_status s = tz_curve_add_node(&w->set, at, out);
+    const tz_vec3 in = tz_domain_wrap(&w->set.domain, (tz_vec3){at.x, at.y, 0});
+    tz_status s = tz_curve_add_node(&w->set, (tz_vec2){in.x, in.y}, out);
     return s == TZ_OK ? tz_grid_add(w->ctx, &f->node, at, &id) : s;
 }
 
 static bool neighbours(const finder *f, int32_t i, int32_t j)
 {
     const chord *a = &f->chord.v[i], *b = &f->chord.v[j];
-    return a->piece == b->piece && (i - j == 1 || j - i == 1);
+    return a->piece == b->piece && abs(a->number - b->number) <= 1 &&
+           a->by.x == b->by.x && a->by.y == b->by.y;
+}
+
+/* On a torus a crossing counts where it lies in the rectangle. */
+static bool in_rectangle(const finder *f, double x, double y)
+{
+    const tz_domain *d = &f->w->set.domain;
+    return !d->torus || (x >= 0 && y >= 0 && x < d->size.x && y < d->size.y);
+}
+
+static tz_bezier moved(const tz_curve_set *set, const chord *c)
+{
+    tz_bezier b = tz_curve_bezier(set, &set->piece.v[c->piece]);
+    for (int k = 0; k < 4; k++)
+        b.p[k] = tz_vec2_add(b.p[k], c->by);
+    return b;
 }
 
 static tz_status cross_pair(finder *f, int32_t i, int32_t j, int32_t cell)
@@ -358,13 +409,13 @@ static tz_status cross_pair(finder *f, int32_t i, int32_t j, int32_t cell)
         return TZ_OK;
     const double x = a->p.x + u * (a->q.x - a->p.x), y = a->p.y + u * (a->q.y - a->p.y);
     if (clamp((y - g->origin.y) / g->cell, g->ny) * g->nx +
-            clamp((x - g->origin.x) / g->cell, g->nx) !=
-        cell)
+                clamp((x - g->origin.x) / g->cell, g->nx) !=
+            cell ||
+        !in_rectangle(f, x, y))
         return TZ_OK;
     double t = (double)a->t0 + u * (double)(a->t1 - a->t0);
     double r = (double)b->t0 + v * (double)(b->t1 - b->t0);
-    const tz_bezier p = tz_curve_bezier(set, &set->piece.v[a->piece]);
-    const tz_bezier q = tz_curve_bezier(set, &set->piece.v[b->piece]);
+    const tz_bezier p = moved(set, a), q = moved(set, b);
     if (!set->piece.v[a->piece].straight || !set->piece.v[b->piece].straight)
         refine(&p, &q, &t, &r); /* else the chords' own */
     tz_status s = crossing_node(f, tz_bezier_at(&p, t), &node);
@@ -439,8 +490,10 @@ tz_status tz_curve_find_cuts(tz_curve_work *w)
     if (s == TZ_OK && w->crossings) {
         const tz_vec2 size = {fmax(f.grid.nx * f.grid.cell, f.grid.cell),
                               fmax(f.grid.ny * f.grid.cell, f.grid.cell)};
-        s = tz_grid_init(w->ctx, &f.node, f.grid.origin, size,
-                         fmax(f.grid.cell, w->reach), false);
+        const tz_domain *d = &w->set.domain;
+        s = tz_grid_init(w->ctx, &f.node, d->torus ? (tz_vec2){0, 0} : f.grid.origin,
+                         d->torus ? (tz_vec2){d->size.x, d->size.y} : size,
+                         fmax(f.grid.cell, w->reach), d->torus);
         for (int32_t i = 0; i < f.first && s == TZ_OK; i++)
             s = tz_grid_add(w->ctx, &f.node, w->set.node.v[i], &id);
         if (s == TZ_OK)

@@ -4,7 +4,9 @@
  *   merge   nodes at one place become one; ends of paths also over a small gap
  *   cut     pieces are cut where nodes lie on them and where they cross (curve_cross.c)
  *   thin    of pieces that run together between the same nodes one stays: the first
- *   chain   what is left runs on to paths, as far as it does so plainly
+ *   chain   what is left runs on to paths, as far as it does so plainly (curve_chain.c)
+ *
+ * On a torus places are told apart by their nearest copies.
  *
  * Everything is in order of the pieces, so that equal input gives equal output. */
 #include "curves/curve_join.h"
@@ -71,9 +73,12 @@ static tz_status find_same(tz_curve_work *w, double reach, bool ends_only, int32
         lo = (tz_vec2){fmin(lo.x, p.x), fmin(lo.y, p.y)};
         hi = (tz_vec2){fmax(hi.x, p.x), fmax(hi.y, p.y)};
     }
-    const tz_vec2 size = {fmax(hi.x - lo.x, reach), fmax(hi.y - lo.y, reach)};
+    const bool torus = s->domain.torus;
+    tz_vec2 size = {fmax(hi.x - lo.x, reach), fmax(hi.y - lo.y, reach)};
+    if (torus)
+        lo = (tz_vec2){0, 0}, size = (tz_vec2){s->domain.size.x, s->domain.size.y};
     const double cell = fmax(reach, sqrt(size.x * size.y / fmax(s->node.n, 1)));
-    tz_status st = tz_grid_init(w->ctx, &grid, lo, size, cell, false);
+    tz_status st = tz_grid_init(w->ctx, &grid, lo, size, cell, torus);
     for (int32_t i = 0; i < s->node.n && st == TZ_OK; i++) {
         double best = INFINITY;
         int32_t id;
@@ -83,7 +88,7 @@ static tz_status find_same(tz_curve_work *w, double reach, bool ends_only, int32
         const int32_t n = tz_grid_query(&grid, s->node.v[i], reach, near, MOST);
         for (int32_t k = 0; k < (n < MOST ? n : MOST) && kept.v; k++) {
             const int32_t j = kept.v[near[k]];
-            const double d = tz_vec2_length(tz_vec2_sub(s->node.v[i], s->node.v[j]));
+            const double d = tz_curve_apart(s, s->node.v[i], s->node.v[j]);
             if (d < best) {
                 best = d;
                 to[i] = j;
@@ -103,16 +108,8 @@ static tz_status find_same(tz_curve_work *w, double reach, bool ends_only, int32
 /* Ends of a piece are other nodes now: its control points go along. */
 static void reattach(tz_curve_set *s, tz_curve_piece *p, int32_t from, int32_t to)
 {
-    const tz_vec2 d = tz_vec2_sub(s->node.v[from], s->node.v[p->from]),
-                  e = tz_vec2_sub(s->node.v[to], s->node.v[p->to]);
-    p->from = from;
-    p->to = to;
-    p->a = tz_vec2_add(p->a, d);
-    p->b = tz_vec2_add(p->b, e);
-    if (p->straight) {
-        const tz_bezier c = tz_bezier_line(s->node.v[from], s->node.v[to]);
-        p->a = c.p[1], p->b = c.p[2];
-    }
+    const tz_bezier c = tz_curve_bezier(s, p);
+    tz_curve_put(s, &c, (int32_t[2]){from, to}, p);
 }
 
 /* Shrinks a piece to a node. */
@@ -140,13 +137,15 @@ static void drop_points(tz_curve_work *w)
         const int32_t first = pieces;
         for (int32_t k = p.piece; k < p.piece + p.pieces; k++)
             if (!vanishes(s, &s->piece.v[k], 2 * w->same))
-                s->piece.v[pieces++] = s->piece.v[k];
+                tz_curve_move_piece(s, k, pieces++);
         p.piece = first;
         p.pieces = pieces - first;
         if (p.pieces > 0)
             s->path.v[paths++] = p;
     }
     s->piece.n = pieces;
+    s->taper.n = s->taper.n > 0 ? pieces : 0;
+    s->origin.n = s->origin.n > 0 ? pieces : 0;
     s->path.n = paths;
 }
 
@@ -211,24 +210,20 @@ static int by_place(const void *a, const void *b)
 }
 
 /* Appends the part t0 .. t1 of a piece between two nodes. */
-static tz_status add_part(tz_curve_work *w, tz_curve_set *to, const tz_curve_piece *p,
+static tz_status add_part(tz_curve_work *w, tz_curve_set *to, int32_t piece,
                           const double t[2], const int32_t node[2])
 {
+    const tz_curve_piece *p = &w->set.piece.v[piece];
     const tz_bezier whole = tz_curve_bezier(&w->set, p),
                     part = tz_bezier_part(&whole, t[0], t[1]);
-    tz_curve_piece c = {node[0], node[1], part.p[1], part.p[2], p->straight};
-    const tz_vec2 d = tz_vec2_sub(to->node.v[node[0]], part.p[0]),
-                  e = tz_vec2_sub(to->node.v[node[1]], part.p[3]);
-    c.a = tz_vec2_add(c.a, d);
-    c.b = tz_vec2_add(c.b, e);
-    if (c.straight) {
-        const tz_bezier line = tz_bezier_line(to->node.v[node[0]], to->node.v[node[1]]);
-        c.a = line.p[1], c.b = line.p[2];
-    }
+    tz_curve_piece c = {.straight = p->straight};
+    tz_curve_put(to, &part, node, &c);
     if (vanishes(to, &c, 2 * w->reach))
         return TZ_OK;
-    to->path.v[to->path.n - 1].pieces++;
-    return tz_array_push(w->ctx, &to->piece, c);
+    tz_curve_carry carry = tz_curve_carried(&w->set, piece);
+    if (t[0] > 0 || t[1] < 1)
+        carry = tz_curve_carry_part(&carry, &whole, t[0], t[1]);
+    return tz_curve_add_piece(to, &c, &carry);
 }
 
 /* The pieces of w->set, cut: `to` takes its nodes over. */
@@ -249,12 +244,12 @@ static tz_status cut_pieces(tz_curve_work *w, tz_curve_set *to)
             int32_t node[2] = {s->piece.v[k].from, 0};
             for (; at < w->cut.n && w->cut.v[at].piece == k && st == TZ_OK; at++) {
                 t[1] = w->cut.v[at].t, node[1] = w->cut.v[at].node;
-                st = add_part(w, to, &s->piece.v[k], t, node);
+                st = add_part(w, to, k, t, node);
                 t[0] = t[1], node[0] = node[1];
             }
             t[1] = 1, node[1] = s->piece.v[k].to;
             if (st == TZ_OK)
-                st = add_part(w, to, &s->piece.v[k], t, node);
+                st = add_part(w, to, k, t, node);
         }
         if (st == TZ_OK && to->path.v[to->path.n - 1].pieces == 0)
             to->path.n--;
@@ -289,8 +284,8 @@ static bool coincide(const tz_curve_set *s, int32_t i, int32_t j, double same)
     for (int k = 1; k < 4; k++) {
         const tz_vec2 p = tz_bezier_at(&a, k / 4.0), q = tz_bezier_at(&b, k / 4.0),
                       r = tz_bezier_at(&b, 1 - k / 4.0);
-        ahead = ahead && tz_vec2_length(tz_vec2_sub(p, q)) <= same;
-        back = back && tz_vec2_length(tz_vec2_sub(p, r)) <= same;
+        ahead = ahead && tz_curve_apart(s, p, q) <= same;
+        back = back && tz_curve_apart(s, p, r) <= same;
     }
     return ahead || back;
 }
@@ -320,230 +315,25 @@ static tz_status find_twice(tz_curve_work *w, const tz_curve_set *s, bool *gone)
     return TZ_OK;
 }
 
-/* ---- chain ------------------------------------------------------------------------- */
-
-/* Ends of pieces: 2 i is where piece i begins, 2 i + 1 where it ends. */
-typedef struct chains {
-    tz_ctx *ctx;
-    const tz_curve_set *s;
-    const bool *gone;
-    int32_t *pen;  /* per piece */
-    int32_t *next; /* per end: the end of another piece that it runs on to, or -1 */
-    int32_t *first, *end; /* ends at each node */
-} chains;
-
-static int32_t node_of(const tz_curve_set *s, int32_t end)
-{
-    return end & 1 ? s->piece.v[end >> 1].to : s->piece.v[end >> 1].from;
-}
-
-/* Direction in which a piece leaves its end. */
-static tz_vec2 leaving(const tz_curve_set *s, int32_t end)
-{
-    const tz_bezier c = tz_curve_bezier(s, &s->piece.v[end >> 1]);
-    for (int k = 1; k < 4; k++) {
-        const tz_vec2 d =
-            end & 1 ? tz_vec2_sub(c.p[3 - k], c.p[3]) : tz_vec2_sub(c.p[k], c.p[0]);
-        const double n = tz_vec2_length(d);
-        if (n > 0)
-            return tz_vec2_scale(d, 1 / n);
-    }
-    return (tz_vec2){1, 0};
-}
-
-static tz_status list_ends(chains *c)
-{
-    const int32_t n = c->s->node.n, ends = 2 * c->s->piece.n;
-    tz_status s = tz_alloc_zero(c->ctx, &c->first, (size_t)n + 2, sizeof *c->first);
-    if (s == TZ_OK)
-        s = tz_alloc(c->ctx, &c->end, (size_t)ends, sizeof *c->end);
-    if (s != TZ_OK)
-        return s;
-    for (int32_t i = 0; i < ends; i++)
-        if (!c->gone[i >> 1])
-            c->first[node_of(c->s, i) + 2]++;
-    for (int32_t i = 2; i < n + 2; i++)
-        c->first[i] += c->first[i - 1];
-    for (int32_t i = 0; i < ends; i++)
-        if (!c->gone[i >> 1])
-            c->end[c->first[node_of(c->s, i) + 1]++] = i;
-    return TZ_OK;
-}
-
-static void link_ends(chains *c, int32_t i, int32_t j)
-{
-    c->next[i] = j;
-    c->next[j] = i;
-}
-
-/* Paths that were there run on as they did, where both pieces stay. */
-static void keep_paths(chains *c)
-{
-    for (int32_t i = 0; i < c->s->path.n; i++) {
-        const tz_curve_path *p = &c->s->path.v[i];
-        for (int32_t k = p->piece; k < p->piece + p->pieces; k++) {
-            const bool last = k == p->piece + p->pieces - 1;
-            const int32_t j = last ? p->piece : k + 1;
-            if ((last && !p->closed) || c->gone[k] || c->gone[j] ||
-                c->s->piece.v[k].to != c->s->piece.v[j].from)
-                continue;
-            link_ends(c, 2 * k + 1, 2 * j);
-        }
-    }
-}
-
-/* The two free ends at a node that run on straightest, within pi / 9; or, if there are
- * but two ends, those. False if there are none. */
-static bool best_pair(const chains *c, int32_t node, int32_t out[2])
-{
-    enum { MOST = 64 };
-    const int32_t first = c->first[node], n = c->first[node + 1] - first;
-    double best = -cos(TZ_PI / 9);
-    int32_t free_ends[MOST], m = 0;
-    bool found = false;
-    for (int32_t i = first; i < first + n && m < MOST; i++)
-        if (c->next[c->end[i]] < 0)
-            free_ends[m++] = c->end[i];
-    if (n == 2 && m == 2 && c->pen[free_ends[0] >> 1] == c->pen[free_ends[1] >> 1]) {
-        out[0] = free_ends[0], out[1] = free_ends[1];
-        return true;
-    }
-    for (int32_t i = 0; i < m; i++)
-        for (int32_t j = i + 1; j < m; j++) {
-            if (c->pen[free_ends[i] >> 1] != c->pen[free_ends[j] >> 1])
-                continue;
-            const double dot =
-                tz_vec2_dot(leaving(c->s, free_ends[i]), leaving(c->s, free_ends[j]));
-            if (dot < best) {
-                best = dot;
-                out[0] = free_ends[i], out[1] = free_ends[j];
-                found = true;
-            }
-        }
-    return found;
-}
-
-/* Appends the chain that begins at an end, going inwards. */
-static tz_status add_chain(chains *c, int32_t begin, bool *done, tz_curve_set *to)
-{
-    tz_status s =
-        tz_array_push(c->ctx, &to->path,
-                      ((tz_curve_path){.piece = to->piece.n, .pen = c->pen[begin >> 1]}));
-    for (int32_t end = begin; end >= 0 && !done[end >> 1] && s == TZ_OK;
-         end = c->next[end ^ 1]) {
-        tz_curve_piece p = c->s->piece.v[end >> 1];
-        if (end & 1) {
-            const tz_curve_piece q = p;
-            p = (tz_curve_piece){q.to, q.from, q.b, q.a, q.straight};
-            if (p.straight) {
-                const tz_bezier b =
-                    tz_bezier_line(c->s->node.v[p.from], c->s->node.v[p.to]);
-                p.a = b.p[1], p.b = b.p[2];
-            }
-        }
-        done[end >> 1] = true;
-        s = tz_array_push(c->ctx, &to->piece, p);
-        to->path.v[to->path.n - 1].pieces++;
-    }
-    return s;
-}
-
-static tz_status make_chains(chains *c, bool *done, tz_curve_set *to)
-{
-    tz_status s = TZ_OK;
-    for (int32_t i = 0; i < c->s->piece.n && s == TZ_OK; i++) {
-        if (c->gone[i] || done[i])
-            continue;
-        int32_t begin = 2 * i; /* back to where the chain begins, or all the way around */
-        while (c->next[begin] >= 0 && c->next[begin] >> 1 != i)
-            begin = c->next[begin] ^ 1;
-        const bool around = c->next[begin] >= 0;
-        s = add_chain(c, around ? 2 * i : begin, done, to);
-        if (s == TZ_OK)
-            tz_curve_end(to, around);
-    }
-    return s;
-}
-
-/* Nodes in order of first use, none left over. */
-static tz_status compact(tz_curve_set *s)
-{
-    int32_t *to = NULL, n = 0;
-    tz_vec2 *node = NULL;
-    tz_status st = tz_alloc(s->ctx, &to, (size_t)s->node.n, sizeof *to);
-    if (st == TZ_OK)
-        st = tz_alloc(s->ctx, &node, (size_t)s->node.n, sizeof *node);
-    if (st == TZ_OK) {
-        memset(to, 255, (size_t)s->node.n * sizeof *to);
-        for (int32_t i = 0; i < 2 * s->piece.n; i++) {
-            int32_t *id = i & 1 ? &s->piece.v[i >> 1].to : &s->piece.v[i >> 1].from;
-            if (to[*id] < 0) {
-                node[n] = s->node.v[*id];
-                to[*id] = n++;
-            }
-            *id = to[*id];
-        }
-        if (n > 0)
-            memcpy(s->node.v, node, (size_t)n * sizeof *node);
-        s->node.n = n;
-    }
-    tz_free(s->ctx, to);
-    tz_free(s->ctx, node);
-    return st;
-}
-
-/* The pieces of `s` that are not gone as paths of `to`, which has its nodes. */
-static tz_status chain(tz_ctx *ctx, const tz_curve_set *s, const bool *gone,
-                       bool keep_ends, tz_curve_set *to)
-{
-    chains c = {.ctx = ctx, .s = s, .gone = gone};
-    bool *done = NULL;
-    int32_t pair[2];
-    const size_t n = (size_t)s->piece.n;
-    tz_status st = tz_alloc(ctx, &c.pen, n, sizeof *c.pen);
-    if (st == TZ_OK)
-        st = tz_alloc(ctx, &c.next, 2 * n, sizeof *c.next);
-    if (st == TZ_OK)
-        st = tz_alloc_zero(ctx, &done, n, sizeof *done);
-    if (st == TZ_OK)
-        st = list_ends(&c);
-    if (st == TZ_OK) {
-        memset(c.next, 255, 2 * n * sizeof *c.next);
-        for (int32_t i = 0; i < s->path.n; i++)
-            for (int32_t k = 0; k < s->path.v[i].pieces; k++)
-                c.pen[s->path.v[i].piece + k] = s->path.v[i].pen;
-        keep_paths(&c);
-        for (int32_t i = 0; i < s->node.n && !keep_ends; i++)
-            while (best_pair(&c, i, pair))
-                link_ends(&c, pair[0], pair[1]);
-        st = make_chains(&c, done, to);
-    }
-    tz_free(ctx, c.pen);
-    tz_free(ctx, c.next);
-    tz_free(ctx, c.first);
-    tz_free(ctx, c.end);
-    tz_free(ctx, done);
-    return st == TZ_OK ? compact(to) : st;
-}
-
 /* ---- all --------------------------------------------------------------------------- */
+
+#define COPY(ctx, from, to, array)                                                      \
+    (tz_array_reserve(ctx, &(to)->array, (from)->array.n) != TZ_OK ? TZ_NOMEM           \
+     : (from)->array.n == 0                                        ? TZ_OK              \
+                            : (memcpy((to)->array.v, (from)->array.v,                   \
+                                      (size_t)(from)->array.n * sizeof *(to)->array.v), \
+                               (to)->array.n = (from)->array.n, TZ_OK))
 
 static tz_status copy_paths(tz_ctx *ctx, const tz_curve_set *from, tz_curve_set *to)
 {
-    tz_status s = tz_array_reserve(ctx, &to->node, from->node.n);
+    tz_status s = COPY(ctx, from, to, node);
     if (s == TZ_OK)
-        s = tz_array_reserve(ctx, &to->piece, from->piece.n);
+        s = COPY(ctx, from, to, piece);
     if (s == TZ_OK)
-        s = tz_array_reserve(ctx, &to->path, from->path.n);
-    if (s != TZ_OK || from->path.n == 0)
-        return s;
-    memcpy(to->node.v, from->node.v, (size_t)from->node.n * sizeof *to->node.v);
-    memcpy(to->piece.v, from->piece.v, (size_t)from->piece.n * sizeof *to->piece.v);
-    memcpy(to->path.v, from->path.v, (size_t)from->path.n * sizeof *to->path.v);
-    to->node.n = from->node.n;
-    to->piece.n = from->piece.n;
-    to->path.n = from->path.n;
-    return TZ_OK;
+        s = COPY(ctx, from, to, path);
+    if (s == TZ_OK)
+        s = COPY(ctx, from, to, taper);
+    return s == TZ_OK ? COPY(ctx, from, to, origin) : s;
 }
 
 /* Steps one and two: w->set to `cut`, whose nodes are then those of w->set. */
@@ -589,6 +379,7 @@ tz_status tz_curve_join(tz_ctx *ctx, const tz_curve_set *from,
         s = tz_curve_set_like(ctx, from, NULL, &out);
     if (s == TZ_OK)
         s = copy_paths(ctx, from, p->only_chain ? &cut : &w.set);
+    cut.domain = from->domain;
     if (s == TZ_OK && w.set.path.n > 0)
         s = merge_and_cut(&w, &cut);
     if (s == TZ_OK)
@@ -598,7 +389,7 @@ tz_status tz_curve_join(tz_ctx *ctx, const tz_curve_set *from,
     for (int32_t i = 0; i < cut.node.n && s == TZ_OK; i++)
         s = tz_array_push(ctx, &out.node, cut.node.v[i]);
     if (s == TZ_OK)
-        s = chain(ctx, &cut, gone, p->keep_ends, &out);
+        s = tz_curve_chain(ctx, &cut, gone, p->keep_ends, &out);
     tz_free(ctx, gone);
     tz_curve_set_deinit(&w.set);
     tz_curve_set_deinit(&cut);

@@ -239,6 +239,7 @@ static void scribble(tz_curve_set *s, uint64_t seed, int32_t paths)
         }
         tz_curve_end(s, i % 2);
     }
+    tz_curve_wrap(s);
     ok(ctx, tz_curve_set_check(ctx, s, "scribble"));
 }
 
