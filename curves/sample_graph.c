@@ -27,7 +27,7 @@
 #define APART       0.25 /* of the spacing: corners */
 #define TANGENT     0.2  /* of the spacing: way that a tangent is measured over */
 
-/* Points of a run with the length up to each. */
+/* Points of a path with the length up to each; on a torus not wrapped. */
 typedef struct polyline {
     TZ_ARRAY(tz_vec2)
     point;
@@ -35,6 +35,13 @@ typedef struct polyline {
     along;
     TZ_ARRAY(int32_t)
     node; /* of the joined set that the point is, or -1 */
+    TZ_ARRAY(tz_bezier)
+    curve; /* the path's pieces, not wrapped */
+    TZ_ARRAY(int32_t)
+    first;         /* point that each of them begins at */
+    tz_vec2 round; /* from the last point to the first: on a torus a closed path may
+                           run around */
+    int32_t piece; /* first of the path */
     bool closed;
 } polyline;
 
@@ -68,44 +75,104 @@ static tz_status add_point(sampler *k, tz_vec2 p, int32_t node)
     return s == TZ_OK ? tz_array_push(k->ctx, &l->node, node) : s;
 }
 
+/* A piece that begins where the one before it has ended. */
+static tz_status add_curve(sampler *k, int32_t piece, tz_vec2 *by)
+{
+    const tz_curve_piece *p = &k->set.piece.v[piece];
+    polyline *l = &k->line;
+    tz_bezier b = tz_curve_bezier(&k->set, p);
+    const tz_vec2 step = tz_vec2_sub(b.p[3], k->set.node.v[p->to]);
+    for (int i = 0; i < 4; i++)
+        b.p[i] = tz_vec2_add(b.p[i], *by);
+    *by = tz_vec2_add(*by, step);
+    tz_status s = tz_array_push(k->ctx, &l->first, l->point.n - 1);
+    if (s == TZ_OK)
+        s = tz_array_push(k->ctx, &l->curve, b);
+    const int32_t n = p->straight ? 1 : 1 + tz_bezier_steps(&b, 0.002 * k->g->spacing);
+    for (int32_t j = 1; j < n && s == TZ_OK; j++)
+        s = add_point(k, tz_bezier_at(&b, (double)j / n), -1);
+    return s == TZ_OK ? add_point(k, b.p[3], p->to) : s;
+}
+
 static tz_status flatten(sampler *k, const tz_curve_path *p)
 {
     const tz_curve_set *set = &k->set;
-    const double tolerance = 0.002 * k->g->spacing;
-    k->line.point.n = k->line.along.n = k->line.node.n = 0;
-    k->line.closed = p->closed;
+    polyline *l = &k->line;
+    tz_vec2 by = {0, 0};
+    l->point.n = l->along.n = l->node.n = l->curve.n = l->first.n = 0;
+    l->closed = p->closed;
+    l->piece = p->piece;
     const int32_t first = set->piece.v[p->piece].from;
     tz_status s = add_point(k, set->node.v[first], first);
-    for (int32_t i = p->piece; i < p->piece + p->pieces && s == TZ_OK; i++) {
-        const tz_curve_piece *c = &set->piece.v[i];
-        const tz_bezier b = tz_curve_bezier(set, c);
-        const int32_t n = c->straight ? 1 : 1 + tz_bezier_steps(&b, tolerance);
-        for (int32_t j = 1; j < n && s == TZ_OK; j++)
-            s = add_point(k, tz_bezier_at(&b, (double)j / n), -1);
-        if (s == TZ_OK)
-            s = add_point(k, b.p[3], c->to);
-    }
+    for (int32_t i = p->piece; i < p->piece + p->pieces && s == TZ_OK; i++)
+        s = add_curve(k, i, &by);
+    if (s == TZ_OK)
+        l->round = by;
     return s;
 }
 
 static double length_of(const polyline *l) { return l->along.v[l->along.n - 1]; }
 
-/* The place so far along a line; beyond its ends it wraps around or stops. */
-static tz_vec2 place(const polyline *l, double along)
+/* Brings a way into the line: around it where it is closed. How often it was around. */
+static double bring_in(const polyline *l, double *along)
 {
     const double length = length_of(l);
+    double turns = 0;
+    if (l->closed && length > 0 && !(*along >= 0 && *along <= length)) {
+        turns = floor(*along / length);
+        *along -= turns * length;
+    }
+    *along = fmin(fmax(*along, 0), length);
+    return turns;
+}
+
+/* The chord of the line, by its later point, that a way lies on; t runs along it. */
+static int32_t chord_at(const polyline *l, double along, double *t)
+{
     int32_t lo = 0, hi = l->along.n - 1;
-    if (l->closed && length > 0)
-        along -= floor(along / length) * length;
-    along = fmin(fmax(along, 0), length);
     while (hi - lo > 1) {
         const int32_t mid = lo + (hi - lo) / 2;
         *(l->along.v[mid] <= along ? &lo : &hi) = mid;
     }
     const double way = l->along.v[hi] - l->along.v[lo];
-    const double t = way > 0 ? (along - l->along.v[lo]) / way : 0;
-    const tz_vec2 p = l->point.v[lo], q = l->point.v[hi];
-    return (tz_vec2){p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)};
+    *t = way > 0 ? (along - l->along.v[lo]) / way : 0;
+    return hi;
+}
+
+/* The place so far along a line; beyond its ends it wraps around or stops. */
+static tz_vec2 place(const polyline *l, double along)
+{
+    double t;
+    const double turns = bring_in(l, &along);
+    const int32_t hi = chord_at(l, along, &t);
+    const tz_vec2 p = l->point.v[hi - 1], q = l->point.v[hi];
+    return (tz_vec2){p.x + t * (q.x - p.x) + turns * l->round.x,
+                     p.y + t * (q.y - p.y) + turns * l->round.y};
+}
+
+/* Piece of the path, counted from 0, and the t on it, so far along. */
+static int32_t piece_at(const polyline *l, double along, double *t)
+{
+    double u;
+    const int32_t at = chord_at(l, along, &u) - 1;
+    int32_t lo = 0, hi = l->first.n;
+    while (hi - lo > 1) {
+        const int32_t mid = lo + (hi - lo) / 2;
+        *(l->first.v[mid] <= at ? &lo : &hi) = mid;
+    }
+    const int32_t end = lo + 1 < l->first.n ? l->first.v[lo + 1] : l->point.n - 1;
+    *t = (at - l->first.v[lo] + u) / (end - l->first.v[lo]);
+    return lo;
+}
+
+/* The point of the curve itself so far along. */
+static tz_vec2 on_curve(const polyline *l, double along)
+{
+    double t;
+    const double turns = bring_in(l, &along);
+    const int32_t i = piece_at(l, along, &t);
+    const tz_vec2 p = tz_bezier_at(&l->curve.v[i], t);
+    return (tz_vec2){p.x + turns * l->round.x, p.y + turns * l->round.y};
 }
 
 /* ---- what is a sample -------------------------------------------------------------- */
@@ -181,8 +248,9 @@ static tz_status find_stops(sampler *k)
 static tz_status add_sample(sampler *k, tz_vec2 at, int32_t *id)
 {
     tz_sample_graph *g = k->g;
+    const tz_vec3 in = tz_domain_wrap(&g->domain, (tz_vec3){at.x, at.y, 0});
     const tz_curve_sample p = {
-        .at = at, .q = TZ_SAMPLE_CURVE, .element = -1, .existence = 1};
+        .at = {in.x, in.y}, .q = TZ_SAMPLE_CURVE, .element = -1, .existence = 1};
     if (g->sample.n >= MAX_SAMPLES)
         return tz_fail(k->ctx, TZ_LIMIT,
                        "over %d samples at a spacing of %g; choose a larger one",
@@ -272,9 +340,63 @@ static tz_status add_edge(sampler *k, int32_t from, int32_t to, int32_t pen,
     const uint64_t key = pair_key(from, to);
     k->joined.v[pair_slot(k, key)] = key;
     k->pairs++;
-    s = tz_array_push(k->ctx, &g->edge, ((tz_curve_edge){.from = from, .to = to, .pen = pen, .existence = 1, .like = -1}));
+    s = tz_array_push(
+        k->ctx, &g->edge,
+        ((tz_curve_edge){
+            .from = from, .to = to, .pen = pen, .existence = 1, .like = -1}));
     for (int i = 0; i < 2 && s == TZ_OK; i++)
         s = tz_array_push(k->ctx, &g->turn, turn[i]);
+    return s;
+}
+
+/* One curve of an edge, moved by `by`. */
+static tz_status add_shape(sampler *k, int32_t piece, const double t[2], tz_vec2 by)
+{
+    tz_sample_graph *g = k->g;
+    const tz_bezier *whole = &k->line.curve.v[piece];
+    tz_bezier c = tz_bezier_part(whole, t[0], t[1]);
+    tz_curve_carry carry = tz_curve_carried(&k->set, k->line.piece + piece);
+    for (int i = 0; i < 4; i++)
+        c.p[i] = tz_vec2_add(c.p[i], by);
+    tz_status s = tz_array_push(k->ctx, &g->shape, c);
+    if (s == TZ_OK && carry.has_taper) {
+        carry = tz_curve_carry_part(&carry, whole, t[0], t[1]);
+        s = tz_array_push(k->ctx, &g->taper, carry.taper);
+    }
+    if (s == TZ_OK)
+        g->edge.v[g->edge.n - 1].shapes++;
+    return s;
+}
+
+/* What the last edge runs along: the line from a0 to a1, from its first sample on. */
+static tz_status add_shapes(sampler *k, double a0, double a1)
+{
+    enum { AROUND = 3 };
+    const polyline *l = &k->line;
+    tz_curve_edge *e = &k->g->edge.v[k->g->edge.n - 1];
+    double from = a0, to = a1, t0, t1;
+    const double turns = bring_in(l, &from), last = bring_in(l, &to);
+    int32_t i = piece_at(l, from, &t0);
+    const int32_t end = piece_at(l, to, &t1);
+    const tz_vec2 p = tz_bezier_at(&l->curve.v[i], t0), at = k->g->sample.v[e->from].at;
+    tz_vec2 by = tz_vec2_sub(tz_curve_copy(&k->g->domain, p, at), p);
+    double round = turns;
+    e->shape = k->g->shape.n;
+    tz_status s = TZ_OK;
+    for (int32_t n = 0; n <= AROUND * l->curve.n && s == TZ_OK; n++) {
+        const bool done = i == end && round >= last;
+        const double t[2] = {t0, done ? t1 : 1};
+        if (t[1] > t[0])
+            s = add_shape(k, i, t, by);
+        if (done)
+            break;
+        t0 = 0;
+        if (++i == l->curve.n) {
+            i = 0;
+            round++;
+            by = tz_vec2_add(by, l->round);
+        }
+    }
     return s;
 }
 
@@ -303,13 +425,15 @@ static tz_status add_run(sampler *k, double a0, double a1, const int32_t end[2],
         const bool inside = i < n || smooth;
         next = end[1];
         if (i < n)
-            s = add_sample(k, place(l, along), &next);
+            s = add_sample(k, on_curve(l, along), &next);
         const double on = inside ? direction(l, along, way, true) : 0;
         const double back =
             inside ? tz_curve_angle(on + TZ_PI) : direction(l, along, -way, false);
         const double turn[2] = {ahead, back};
         if (s == TZ_OK)
             s = add_edge(k, at, next, pen, turn);
+        if (s == TZ_OK)
+            s = add_shapes(k, i == 1 ? a0 : a0 + (i - 1) * step, along);
         at = next;
         ahead = on;
     }
@@ -497,6 +621,8 @@ tz_status tz_sample_graph_make(tz_ctx *ctx, const tz_curve_set *s, double spacin
     tz_array_free(ctx, &k.line.point);
     tz_array_free(ctx, &k.line.along);
     tz_array_free(ctx, &k.line.node);
+    tz_array_free(ctx, &k.line.curve);
+    tz_array_free(ctx, &k.line.first);
     tz_array_free(ctx, &k.stop);
     tz_array_free(ctx, &k.sharp);
     tz_array_free(ctx, &k.joined);

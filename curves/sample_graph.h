@@ -58,7 +58,8 @@ typedef struct tz_sample_graph {
     TZ_ARRAY(double)
     turn; /**< by sample: directions in which curves leave, [0, 2 pi), y down */
     TZ_ARRAY(tz_bezier)
-    shape; /**< exemplars: the curves along edges */
+    shape; /**< exemplars: the curves along edges, from edge to edge one behind another;
+                those of an edge begin at its sample `from`, on a torus not wrapped */
     TZ_ARRAY(tz_curve_taper)
     taper; /**< none, or one a shape: widths at its ends */
     tz_ctx *ctx;
@@ -77,7 +78,8 @@ TZ_API void tz_sample_graph_deinit(tz_sample_graph *g); /**< takes zeroed */
  * @source [Tu20] Sec. 5.1, App. B, Table 2 */
 TZ_API tz_sample_levels tz_sample_levels_default(const tz_curve_set *s);
 
-/** Samples of one level: at junctions, crossings, ends and corners, and between these
+/** Samples of one level, with what edges run along (shape, and taper where the curves have
+ * some): at junctions, crossings, ends and corners, and between these
  * evenly, about `spacing` apart. Crossings join the paths that cross there.
  * @param spacing, radius  user units, > 0
  * @param[out] g  overwritten, not freed; zeroed on error
