@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Junctions. Where lines of some width meet, the ridge breaks up: a cross becomes two
+ * forks, and lines bend aside over about their width. Junctions joined by less than that
+ * become one; each line is cut back to where it runs straight, and the junction moves to
+ * the place nearest to all their tangents:
+ *
+ *     min over x of  sum_i (n_i' (x - p_i))^2 + damping |x - x0|^2 */
+#include "analysis/lines_graph.h"
+
+#include <math.h>
+
+#define CUT     0.7  /* of the width: cut back */
+#define DAMPING 0.05 /* keeps a junction of parallel lines in place */
+
+/* ---- near junctions ------------------------------------------------------------------ */
+
+static int32_t root_of(int32_t *up, int32_t i)
+{
+    while (up[i] != i) {
+        up[i] = up[up[i]];
+        i = up[i];
+    }
+    return i;
+}
+
+static tz_status merge_near(tz_line_graph *g)
+{
+    tz_line_ends ends;
+    int32_t *up = NULL, *count = NULL;
+    tz_vec2 *sum = NULL;
+    tz_status s = tz_line_ends_init(g, &ends);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &up, (size_t)g->node.n, sizeof *up);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &count, (size_t)g->node.n, sizeof *count);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &sum, (size_t)g->node.n, sizeof *sum);
+    if (s != TZ_OK)
+        goto done;
+    for (int32_t i = 0; i < g->node.n; i++)
+        up[i] = i;
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        tz_line_chain *c = &g->chain.v[i];
+        if (c->gone || c->node[0] < 0 || tz_line_degree(&ends, c->node[0]) < 3 ||
+            tz_line_degree(&ends, c->node[1]) < 3)
+            continue;
+        double wide = 0; /* of what meets there, without the chain itself */
+        for (int k = 0; k < 2; k++)
+            for (int32_t e = ends.first[c->node[k]]; e < ends.first[c->node[k] + 1]; e++)
+                if (ends.end[e] >> 1 != i)
+                    wide = fmax(wide, g->chain.v[ends.end[e] >> 1].width);
+        if (c->length > fmax(2, 1.1 * wide))
+            continue;
+        c->gone = true;
+        up[root_of(up, c->node[0])] = root_of(up, c->node[1]);
+    }
+    for (int32_t i = 0; i < g->node.n; i++) {
+        const int32_t r = root_of(up, i);
+        sum[r] = tz_vec2_add(sum[r], g->node.v[i]);
+        count[r]++;
+    }
+    for (int32_t i = 0; i < g->node.n; i++)
+        if (up[i] == i && count[i] > 1)
+            g->node.v[i] = tz_vec2_scale(sum[i], 1.0 / count[i]);
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        tz_line_chain *c = &g->chain.v[i];
+        for (int k = 0; k < 2 && !c->gone && c->node[0] >= 0; k++) {
+            c->node[k] = root_of(up, c->node[k]);
+            tz_line_chain_point(g, c, k, 0)->at = g->node.v[c->node[k]];
+        }
+    }
+done:
+    tz_line_ends_deinit(g, &ends);
+    tz_free(g->ctx, up);
+    tz_free(g->ctx, count);
+    tz_free(g->ctx, sum);
+    return s;
+}
+
+/* ---- straight up to the junction ----------------------------------------------------- */
+
+/* Where a chain is cut off at an end, and its direction there. */
+typedef struct stub {
+    int32_t end, skip;
+    tz_vec2 at, along;
+} stub;
+
+static bool cut_end(const tz_line_graph *g, int32_t end, double reach, stub *out)
+{
+    const tz_line_chain *c = &g->chain.v[end >> 1];
+    const tz_vec2 tip = tz_line_chain_point(g, c, end & 1, 0)->at;
+    int32_t i = 1, k;
+    if (c->length < 3 * reach || c->n < 4)
+        return false;
+    while (i < c->n - 2 &&
+           tz_vec2_length(tz_vec2_sub(tz_line_chain_point(g, c, end & 1, i)->at, tip)) <
+               reach)
+        i++;
+    out->end = end;
+    out->skip = i;
+    out->at = tz_line_chain_point(g, c, end & 1, i)->at;
+    for (k = i + 1; k < c->n - 1; k++)
+        if (tz_vec2_length(
+                tz_vec2_sub(tz_line_chain_point(g, c, end & 1, k)->at, out->at)) >
+            fmax(3, reach))
+            break;
+    const tz_vec2 d =
+        tz_vec2_sub(tz_line_chain_point(g, c, end & 1, k)->at, out->at);
+    const double n = tz_vec2_length(d);
+    if (!(n > 0))
+        return false;
+    out->along = tz_vec2_scale(d, 1 / n);
+    return true;
+}
+
+static tz_vec2 meet(const stub *b, int32_t n, tz_vec2 x0, double reach)
+{
+    double a11 = DAMPING, a12 = 0, a22 = DAMPING, r1 = 0, r2 = 0; /* about x0 */
+    for (int32_t i = 0; i < n; i++) {
+        const double nx = -b[i].along.y, ny = b[i].along.x;
+        const double d = nx * (b[i].at.x - x0.x) + ny * (b[i].at.y - x0.y);
+        a11 += nx * nx;
+        a12 += nx * ny;
+        a22 += ny * ny;
+        r1 += nx * d;
+        r2 += ny * d;
+    }
+    const double det = a11 * a22 - a12 * a12;
+    tz_vec2 move = {(r1 * a22 - r2 * a12) / det, (r2 * a11 - r1 * a12) / det};
+    const double far = tz_vec2_length(move);
+    if (far > reach)
+        move = tz_vec2_scale(move, reach / far);
+    return tz_vec2_add(x0, move);
+}
+
+/* The points that are cut off go onto the straight way to the junction. */
+static void straighten(tz_line_graph *g, const stub *b, tz_vec2 node)
+{
+    const tz_line_chain *c = &g->chain.v[b->end >> 1];
+    for (int32_t i = 0; i < b->skip; i++) {
+        const double t = (double)i / b->skip;
+        tz_line_chain_point(g, c, b->end & 1, i)->at =
+            (tz_vec2){node.x + t * (b->at.x - node.x), node.y + t * (b->at.y - node.y)};
+    }
+}
+
+static tz_status straighten_all(tz_line_graph *g)
+{
+    enum { MOST = 8 };
+    tz_line_ends ends;
+    tz_status s = tz_line_ends_init(g, &ends);
+    for (int32_t i = 0; i < g->node.n && s == TZ_OK; i++) {
+        const int32_t n = tz_line_degree(&ends, i);
+        const int32_t *e = ends.end + ends.first[i];
+        stub b[MOST];
+        int32_t stubs = 0;
+        double wide = 0;
+        if (n < 3 || n > MOST)
+            continue;
+        for (int32_t k = 0; k < n; k++)
+            wide = fmax(wide, g->chain.v[e[k] >> 1].width);
+        const double reach = fmax(2.5, CUT * wide);
+        for (int32_t k = 0; k < n; k++)
+            stubs += cut_end(g, e[k], reach, &b[stubs]);
+        if (stubs > 1)
+            g->node.v[i] = meet(b, stubs, g->node.v[i], reach);
+        for (int32_t k = 0; k < stubs; k++)
+            straighten(g, &b[k], g->node.v[i]);
+        for (int32_t k = 0; k < n; k++)
+            tz_line_chain_point(g, &g->chain.v[e[k] >> 1], e[k] & 1, 0)->at =
+                g->node.v[i];
+    }
+    tz_line_ends_deinit(g, &ends);
+    return s;
+}
+
+tz_status tz_line_graph_mend(tz_line_graph *g)
+{
+    tz_status s = merge_near(g);
+    if (s == TZ_OK)
+        s = tz_line_graph_rejoin(g);
+    if (s == TZ_OK)
+        s = straighten_all(g);
+    for (int32_t i = 0; i < g->chain.n && s == TZ_OK; i++)
+        tz_line_chain_measure(g, &g->chain.v[i]);
+    return s;
+}
+
+/* ---- smoothing ----------------------------------------------------------------------- */
+
+tz_status tz_line_graph_smooth(tz_line_graph *g, double sigma)
+{
+    TZ_ARRAY(tz_line_point) old = {0};
+    const int32_t reach = (int32_t)ceil(3 * sigma), reach_wide = 3 * reach;
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < g->chain.n && s == TZ_OK; i++) {
+        tz_line_chain *c = &g->chain.v[i];
+        tz_line_point *p = g->point.v + c->first;
+        const bool loop = c->node[0] < 0;
+        const int32_t round = c->n - 1; /* the last point of a loop is its first */
+        s = tz_array_reserve(g->ctx, &old, c->n);
+        for (int32_t k = 0; k < c->n && s == TZ_OK; k++)
+            old.v[k] = p[k];
+        for (int32_t k = 0; k < c->n && s == TZ_OK; k++) {
+            /* as far as there are points on both sides, so that ends stay */
+            int32_t most = loop ? round / 2 : k < c->n - 1 - k ? k : c->n - 1 - k;
+            double sum = 0, width = 0, weights = 0, all = 0;
+            tz_vec2 at = {0, 0};
+            for (int32_t d = -reach_wide; d <= reach_wide; d++) {
+                int32_t q = k + d;
+                if (loop)
+                    q = ((q % round) + round) % round;
+                if (q < 0 || q >= c->n)
+                    continue;
+                const double far = d / (3 * sigma), weight = exp(-0.5 * far * far);
+                width += weight * old.v[q].width;
+                weights += weight;
+                if (d < -most || d > most || d < -reach || d > reach)
+                    continue;
+                const double near = exp(-0.5 * d * d / (sigma * sigma));
+                at = tz_vec2_add(at, tz_vec2_scale(old.v[q].at, near));
+                sum += near;
+                all += 1;
+            }
+            p[k].width = (float)(width / weights);
+            if (all > 1)
+                p[k].at = tz_vec2_scale(at, 1 / sum);
+        }
+        if (s == TZ_OK && loop)
+            p[c->n - 1] = p[0];
+        if (s == TZ_OK)
+            tz_line_chain_measure(g, c);
+    }
+    tz_array_free(g->ctx, &old);
+    return s;
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which chains are lines. The strength along a line exceeds what chance ridges of the
+ * picture's grain have, so a chain's proof is
+ *
+ *     sum over its points of  min(strength, 3 low) - low
+ *
+ * the log-likelihood of a line against chance up to a factor. The part of the graph with
+ * the most proof is kept, with a price for each loose branch: branches are cut from their
+ * loose ends inwards, the weakest first, and what is connected must carry its price as a
+ * whole. */
+#include "analysis/lines_graph.h"
+
+#include <stdlib.h>
+
+#define ROUNDS 6
+
+typedef struct leaf {
+    double proof;
+    int32_t chain;
+} leaf;
+
+static double proof_of(const tz_line_graph *g, const tz_line_chain *c, double low)
+{
+    const tz_line_point *p = g->point.v + c->first;
+    double sum = 0;
+    for (int32_t i = 0; i < c->n; i++)
+        sum += (p[i].strength < 3 * low ? p[i].strength : 3 * low) - low;
+    return sum;
+}
+
+static int by_proof(const void *a, const void *b)
+{
+    const leaf *p = a, *q = b;
+    if (p->proof != q->proof)
+        return p->proof < q->proof ? -1 : 1;
+    return p->chain - q->chain;
+}
+
+/* Widest of the other chains at a node. */
+static double width_at(const tz_line_graph *g, const tz_line_ends *e, int32_t node,
+                       int32_t but)
+{
+    double most = 0;
+    for (int32_t i = e->first[node]; i < e->first[node + 1]; i++)
+        if (e->end[i] >> 1 != but && g->chain.v[e->end[i] >> 1].width > most)
+            most = g->chain.v[e->end[i] >> 1].width;
+    return most;
+}
+
+/* Cuts loose branches; *cut is how many. */
+static tz_status cut_leaves(tz_line_graph *g, const tz_line_tidy *t, int32_t *cut)
+{
+    tz_line_ends ends;
+    int32_t *degree = NULL, leaves = 0;
+    leaf *l = NULL;
+    *cut = 0;
+    tz_status s = tz_line_ends_init(g, &ends);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &degree, (size_t)g->node.n, sizeof *degree);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &l, (size_t)g->chain.n, sizeof *l);
+    if (s != TZ_OK)
+        goto done;
+    for (int32_t i = 0; i < g->node.n; i++)
+        degree[i] = tz_line_degree(&ends, i);
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        const tz_line_chain *c = &g->chain.v[i];
+        if (!c->gone && c->node[0] >= 0 &&
+            (degree[c->node[0]] == 1) != (degree[c->node[1]] == 1))
+            l[leaves++] = (leaf){proof_of(g, c, t->low), i};
+    }
+    qsort(l, (size_t)leaves, sizeof *l, by_proof);
+    for (int32_t k = 0; k < leaves; k++) {
+        tz_line_chain *c = &g->chain.v[l[k].chain];
+        const int32_t root = degree[c->node[0]] == 1 ? c->node[1] : c->node[0];
+        if (degree[root] < 3 ||
+            (l[k].proof >= 0.5 * t->proof && c->length >= t->length &&
+             c->length >= width_at(g, &ends, root, l[k].chain)))
+            continue;
+        c->gone = true;
+        degree[root]--;
+        (*cut)++;
+    }
+done:
+    tz_line_ends_deinit(g, &ends);
+    tz_free(g->ctx, degree);
+    tz_free(g->ctx, l);
+    return s;
+}
+
+/* Inner chains that speak against a line. */
+static void cut_weak(tz_line_graph *g, const tz_line_tidy *t)
+{
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        tz_line_chain *c = &g->chain.v[i];
+        if (!c->gone && c->strength < 0.75 * t->low && c->length > 2 * c->width)
+            c->gone = true;
+    }
+}
+
+static int32_t root_of(int32_t *up, int32_t i)
+{
+    while (up[i] != i) {
+        up[i] = up[up[i]];
+        i = up[i];
+    }
+    return i;
+}
+
+/* What hangs together must be a line as a whole. */
+static tz_status cut_components(tz_line_graph *g, const tz_line_tidy *t)
+{
+    int32_t *up = NULL;
+    double *proof = NULL, *length = NULL;
+    const size_t n = (size_t)g->node.n + 1;
+    tz_status s = tz_alloc(g->ctx, &up, n, sizeof *up);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &proof, n, sizeof *proof);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &length, n, sizeof *length);
+    if (s != TZ_OK)
+        goto done;
+    for (int32_t i = 0; i < g->node.n; i++)
+        up[i] = i;
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        const tz_line_chain *c = &g->chain.v[i];
+        if (!c->gone && c->node[0] >= 0)
+            up[root_of(up, c->node[0])] = root_of(up, c->node[1]);
+    }
+    for (int pass = 0; pass < 2; pass++)
+        for (int32_t i = 0; i < g->chain.n; i++) {
+            tz_line_chain *c = &g->chain.v[i];
+            if (c->gone)
+                continue;
+            const double own = proof_of(g, c, t->low);
+            const int32_t k = c->node[0] >= 0 ? root_of(up, c->node[0]) : -1;
+            if (!pass && k >= 0) {
+                proof[k] += own;
+                length[k] += c->length;
+            } else if (pass) {
+                c->gone = (k < 0 ? own : proof[k]) < t->proof ||
+                          (k < 0 ? c->length : length[k]) < 2 * t->length;
+            }
+        }
+done:
+    tz_free(g->ctx, up);
+    tz_free(g->ctx, proof);
+    tz_free(g->ctx, length);
+    return s;
+}
+
+tz_status tz_line_graph_select(tz_line_graph *g, const tz_line_tidy *t)
+{
+    int32_t cut = 1;
+    tz_status s = TZ_OK;
+    for (int round = 0; round < ROUNDS && cut > 0 && s == TZ_OK; round++) {
+        if (round > 0)
+            cut_weak(g, t);
+        s = cut_leaves(g, t, &cut);
+        if (s == TZ_OK)
+            s = tz_line_graph_rejoin(g);
+        cut += round == 0; /* weak chains have not been cut yet */
+    }
+    if (s == TZ_OK)
+        s = cut_components(g, t);
+    return s == TZ_OK ? tz_line_graph_rejoin(g) : s;
+}
