@@ -265,12 +265,11 @@ static bool bisect(tz_vec2 d, tz_vec2 e, double shorter, double r, tz_vec2 *cut)
     return true;
 }
 
-/* Fills the outer side where direction d turns into e at p. */
-static void join(tz_cover *c, tz_vec2 p, tz_vec2 d, tz_vec2 e, int kind,
+/* Fills the outer side where direction d turns into e at p; r is half the width there. */
+static void join(tz_cover *c, tz_vec2 p, tz_vec2 d, tz_vec2 e, double r, int kind,
                  const tz_pen *pen)
 {
-    const double r = 0.5 * pen->width, cross = d.x * e.y - d.y * e.x,
-                 dot = tz_vec2_dot(d, e);
+    const double cross = d.x * e.y - d.y * e.x, dot = tz_vec2_dot(d, e);
     if (fabs(cross) < 1e-9 && dot > 0)
         return;
     /* outer side: left of the way (y down: at angle - pi / 2) where it turns clockwise */
@@ -293,9 +292,8 @@ static void join(tz_cover *c, tz_vec2 p, tz_vec2 d, tz_vec2 e, int kind,
     }
 }
 
-static void cap(tz_cover *c, tz_vec2 p, tz_vec2 d, const tz_pen *pen)
+static void cap(tz_cover *c, tz_vec2 p, tz_vec2 d, double r, const tz_pen *pen)
 {
-    const double r = 0.5 * pen->width;
     const tz_vec2 n = {-d.y * r, d.x * r};
     if (pen->cap == 1)
         fan(c, p, r, atan2(-n.y, -n.x), TZ_PI);
@@ -328,25 +326,33 @@ static bool direction(const tz_vec2 *p, int32_t n, bool closed, int32_t i, int32
 void tz_cover_stroke(tz_cover *c, const tz_vec2 *p, const bool *smooth, int32_t n,
                      bool closed, const tz_pen *pen)
 {
-    const double r = 0.5 * pen->width;
+    tz_cover_taper(c, p, smooth, NULL, n, closed, pen);
+}
+
+void tz_cover_taper(tz_cover *c, const tz_vec2 *p, const bool *smooth, const float *half,
+                    int32_t n, bool closed, const tz_pen *pen)
+{
+    const double same = 0.5 * pen->width;
     tz_vec2 d, e, start;
     int32_t i = 0, j;
     while (closed && n > 1 && tz_vec2_length(tz_vec2_sub(p[n - 1], p[0])) <= 1e-9)
         n--; /* closes by itself */
-    if (n < 1 || !(r > 0))
+    if (n < 1 || !(half ? half[0] > 0 : same > 0))
         return;
     if (!direction(p, n, closed, 0, &j, &d)) { /* a point: shown by its caps */
         if (pen->cap) {
-            cap(c, p[0], (tz_vec2){1, 0}, pen);
-            cap(c, p[0], (tz_vec2){-1, 0}, pen);
+            cap(c, p[0], (tz_vec2){1, 0}, half ? half[0] : same, pen);
+            cap(c, p[0], (tz_vec2){-1, 0}, half ? half[0] : same, pen);
         }
         return;
     }
     start = d;
+    const double first = half ? half[0] : same;
     if (!closed)
-        cap(c, p[0], tz_vec2_scale(d, -1), pen);
-    tz_vec2 from = {-d.y * r, d.x * r};
+        cap(c, p[0], tz_vec2_scale(d, -1), first, pen);
+    tz_vec2 from = {-d.y * first, d.x * first};
     for (int32_t steps = 0; steps <= n; steps++) {
+        const double r = half ? half[j] : same;
         const tz_vec2 square = {-d.y * r, d.x * r};
         const bool around = j <= i; /* closed: back at the start */
         const bool curve = smooth && smooth[j];
@@ -355,9 +361,9 @@ void tz_cover_stroke(tz_cover *c, const tz_vec2 *p, const bool *smooth, int32_t 
         if (around || !direction(p, n, closed, j, &k, &e)) {
             piece(c, p[i], p[j], from, square);
             if (closed)
-                join(c, p[j], d, start, curve ? 1 : pen->join, pen);
+                join(c, p[j], d, start, r, curve ? 1 : pen->join, pen);
             else
-                cap(c, p[j], d, pen);
+                cap(c, p[j], d, r, pen);
             return;
         }
         const double l = tz_vec2_length(tz_vec2_sub(p[j], p[i])),
@@ -367,11 +373,24 @@ void tz_cover_stroke(tz_cover *c, const tz_vec2 *p, const bool *smooth, int32_t 
             from = cut;
         } else {
             piece(c, p[i], p[j], from, square);
-            join(c, p[j], d, e, curve ? 1 : pen->join, pen);
+            join(c, p[j], d, e, r, curve ? 1 : pen->join, pen);
             from = (tz_vec2){-e.y * r, e.x * r};
         }
         i = j;
         j = k;
         d = e;
+    }
+}
+
+void tz_cover_cap(tz_cover *c, const tz_vec2 *p, int32_t n, int step, double half,
+                  const tz_pen *pen)
+{
+    for (int32_t k = 1; k < n; k++) {
+        const tz_vec2 d = tz_vec2_sub(*p, p[k * step]);
+        const double l = tz_vec2_length(d);
+        if (l > 1e-9) {
+            cap(c, *p, tz_vec2_scale(d, 1 / l), half, pen);
+            return;
+        }
     }
 }

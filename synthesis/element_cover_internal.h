@@ -47,5 +47,12 @@ typedef struct tz_pen {
  * @param smooth  one a point: lies within a curve, joined round; NULL = none does */
 void tz_cover_stroke(tz_cover *c, const tz_vec2 *p, const bool *smooth, int32_t n,
                      bool closed, const tz_pen *pen);
+/** The same of a line whose width changes. @param half  half the width at each point, px,
+ * > 0; NULL = that of the pen */
+void tz_cover_taper(tz_cover *c, const tz_vec2 *p, const bool *smooth, const float *half,
+                    int32_t n, bool closed, const tz_pen *pen);
+/** The cap alone at the end *p of a line, whose other points are p[step], p[2 step], ... */
+void tz_cover_cap(tz_cover *c, const tz_vec2 *p, int32_t n, int step, double half,
+                  const tz_pen *pen);
 
 #endif

@@ -251,26 +251,24 @@ void tz_drawing_deinit(tz_ctx *ctx, tz_drawing *d)
 
 /* ---- drawing ------------------------------------------------------------------------- */
 
-/* Lays a flat colour onto rows of the cover, which becomes empty. */
-static void paint(tz_layer *layer, tz_layer_work *w, tz_f4 colour, bool even_odd)
+void tz_layer_paint(tz_layer *layer, tz_cover *c, float *row, tz_f4 colour, bool even_odd)
 {
-    tz_cover *c = &w->cover;
     const int32_t bottom = c->bottom < layer->rect.h ? c->bottom : layer->rect.h - 1;
     for (int32_t y = c->top; y <= bottom; y++) {
         int32_t from, to;
-        if (!tz_cover_take(c, y, even_odd, w->row, &from, &to))
+        if (!tz_cover_take(c, y, even_odd, row, &from, &to))
             continue;
         const int64_t at = (int64_t)y * TZ_ELEMENT_TILE;
         if (layer->mask) {
             float *m = layer->mask + at;
             for (int32_t x = from; x < to; x++)
-                m[x] = m[x] + w->row[x] * (1 - m[x]);
+                m[x] = m[x] + row[x] * (1 - m[x]);
             continue;
         }
         tz_f4 *px = layer->px + at;
         for (int32_t x = from; x < to; x++)
-            if (w->row[x] > 0)
-                tz_layer_over(&px[x], colour * w->row[x]);
+            if (row[x] > 0)
+                tz_layer_over(&px[x], colour * row[x]);
     }
     tz_cover_reset(c);
 }
@@ -398,7 +396,7 @@ static tz_status draw_flat(tz_ctx *ctx, const tz_drawing *d, tz_affine map,
                 continue;
             s = p->radius > 0 ? cover_circle(ctx, w, p, map, scale, with)
                               : cover_path(ctx, w, &p->path, map, with);
-            paint(layer, w, colour, !pass && p->even_odd);
+            tz_layer_paint(layer, &w->cover, w->row, colour, !pass && p->even_odd);
         }
     }
     return s;

@@ -173,10 +173,9 @@ static void encode(float *v, int32_t n, memo *m)
 }
 
 /* A layer's pixel over one of the picture. */
-static void lay(const tz_element_renderer *r, tz_f4 v, bool srgb, bool alpha, float *at,
+static void lay(int32_t n, bool normal, tz_f4 v, bool srgb, bool alpha, float *at,
                 memo *m)
 {
-    const int32_t n = r->colours;
     const float a = v[3] > 1 - 1e-6F ? 1 : v[3];
     const float below = alpha ? at[n] * (1 - a) : 1 - a, all = alpha ? a + below : 1;
     float c[4];
@@ -186,7 +185,7 @@ static void lay(const tz_element_renderer *r, tz_f4 v, bool srgb, bool alpha, fl
     if (all != 1 && all > 0)
         for (int32_t k = 0; k < n; k++)
             c[k] /= all;
-    if (r->kind == TZ_MAP_NORMAL && below > 0) {
+    if (normal && below > 0) {
         const float x = 2 * c[0] - 1, y = 2 * c[1] - 1, z = 2 * c[2] - 1;
         const float l = sqrtf((x * x + y * y) + z * z);
         if (l > 1e-6F)
@@ -200,18 +199,18 @@ static void lay(const tz_element_renderer *r, tz_f4 v, bool srgb, bool alpha, fl
         at[n] = all > 1 ? 1 : all;
 }
 
-static void lay_tile(const job *b, tz_rect part, const tz_layer *layer)
+void tz_layer_lay(const tz_layer *layer, tz_rect part, int32_t colours, tz_map_kind kind,
+                  tz_rect rect, tz_image *out)
 {
-    const tz_element_renderer *r = b->r;
-    const bool srgb = r->encode && b->out->encoding == TZ_ENCODING_SRGB;
-    const bool alpha = b->out->channels > r->colours;
+    const bool srgb = kind == TZ_MAP_COLOUR && out->encoding == TZ_ENCODING_SRGB;
+    const bool alpha = out->channels > colours;
     memo m = {{0}, {0}};
     for (int32_t y = part.y; y < part.y + part.h; y++) {
         const tz_f4 *v = layer->px + (int64_t)(y - layer->rect.y) * TILE - layer->rect.x;
-        float *at = tz_image_at(b->out, part.x - b->rect.x, y - b->rect.y);
-        for (int32_t x = part.x; x < part.x + part.w; x++, at += b->out->channels)
+        float *at = tz_image_at(out, part.x - rect.x, y - rect.y);
+        for (int32_t x = part.x; x < part.x + part.w; x++, at += out->channels)
             if (v[x][3] > 0)
-                lay(r, v[x], srgb, alpha, at, &m);
+                lay(colours, kind == TZ_MAP_NORMAL, v[x], srgb, alpha, at, &m);
     }
 }
 
@@ -302,7 +301,7 @@ static tz_status render_tile(tz_ctx *ctx, void *arg, int64_t index, int worker)
     if (b->what >= 0)
         label_tile(b, part, &w->layer, any ? w->label : NULL);
     else if (any)
-        lay_tile(b, part, &w->layer);
+        tz_layer_lay(&w->layer, part, b->r->colours, b->r->kind, b->rect, b->out);
     tz_progress_add(ctx, (int64_t)part.w * part.h);
     return TZ_OK;
 }

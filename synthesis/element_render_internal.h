@@ -84,6 +84,15 @@ typedef struct tz_layer_work {
 /** Source over: (colour, alpha) premultiplied. */
 static inline void tz_layer_over(tz_f4 *at, tz_f4 v) { *at = v + *at * (1 - v[3]); }
 
+/** Lays a flat colour, premultiplied, onto rows of the cover, which becomes empty.
+ * @param row  scratch of a tile's width */
+void tz_layer_paint(tz_layer *layer, tz_cover *c, float *row, tz_f4 colour,
+                    bool even_odd);
+/** Lays part of a layer over the picture `out` of canvas rectangle rect, which has
+ * `colours` channels or one more for alpha. */
+void tz_layer_lay(const tz_layer *layer, tz_rect part, int32_t colours, tz_map_kind kind,
+                  tz_rect rect, tz_image *out);
+
 /* ---- drawings ------------------------------------------------------------------------ */
 
 /** Paint of one colour: linear light times alpha, alpha; alpha 0 = not painted. */
