@@ -16,23 +16,13 @@
 #include <string.h>
 
 #include "base/grid.h"
-#include "curves/curve_join.h"
 #include "curves/matching.h"
+#include "curves/reconstruct_internal.h"
 
-#define OPPOSITE (TZ_PI / 9)   /* off pi by no more */
 #define STRAIGHT (TZ_PI / 720) /* off the chord by no more */
 #define SHARPEST (0.9 * TZ_PI) /* turn of a piece that a handle can follow */
 
-/* Ends of edges: 2 e leaves edge[e].from, 2 e + 1 leaves edge[e].to. */
-typedef struct rebuild {
-    tz_ctx *ctx;
-    const tz_sample_graph *g;
-    int32_t *next;   /* per end: the end of another edge that it runs on to, or -1 */
-    double *tangent; /* per end: direction in which the curve leaves */
-    bool *done;      /* per edge */
-    tz_curve_set *to;
-    int32_t *node; /* per sample */
-} rebuild;
+typedef tz_rebuild rebuild;
 
 /* ---- at a sample ------------------------------------------------------------------- */
 
@@ -81,7 +71,7 @@ static bool best_pair(const rebuild *k, int32_t sample, const int32_t *turn_of,
     const tz_sample_graph *g = k->g;
     const tz_curve_sample *p = &g->sample.v[sample];
     const int32_t n = p->links < TZ_ASSIGN_MOST ? p->links : TZ_ASSIGN_MOST;
-    double best = OPPOSITE;
+    double best = TZ_REBUILD_OPPOSITE;
     bool found = false;
     for (int32_t i = 0; i < n; i++)
         for (int32_t j = i + 1; j < n; j++) {
@@ -106,8 +96,7 @@ static bool best_pair(const rebuild *k, int32_t sample, const int32_t *turn_of,
 static void run_on(rebuild *k, int32_t x, int32_t y)
 {
     const double back = k->tangent[y] + TZ_PI;
-    double d = back - k->tangent[x];
-    d -= floor(d / (2 * TZ_PI) + 0.5) * (2 * TZ_PI);
+    const double d = tz_rebuild_turn(back, k->tangent[x]);
     k->tangent[x] = tz_curve_angle(k->tangent[x] + d / 2);
     k->tangent[y] = tz_curve_angle(k->tangent[x] + TZ_PI);
     k->next[x] = y;
@@ -126,29 +115,75 @@ static void pair_ends(rebuild *k)
 
 /* ---- paths ------------------------------------------------------------------------- */
 
-/* Signed angle from direction b to a, -pi .. pi. */
-static double signed_turn(double a, double b)
-{
-    const double d = a - b;
-    return d - floor(d / (2 * TZ_PI) + 0.5) * (2 * TZ_PI);
-}
-
 static tz_status node_of(rebuild *k, int32_t sample, int32_t *node)
 {
     *node = k->node[sample];
     if (*node >= 0)
         return TZ_OK;
-    const tz_status s = tz_curve_add_node(k->to, k->g->sample.v[sample].at, node);
+    const tz_vec2 p = k->g->sample.v[sample].at;
+    const tz_vec3 in = tz_domain_wrap(&k->g->domain, (tz_vec3){p.x, p.y, 0});
+    const tz_status s = tz_curve_add_node(k->to, (tz_vec2){in.x, in.y}, node);
     k->node[sample] = *node;
     return s;
 }
 
-/* The piece along an edge, leaving by `end`. On a torus a piece over the border ends at a
- * node of its own, beyond it. */
+/* The piece along an edge between two nodes, leaving by `end`: interpolated. */
+static tz_status add_arc(rebuild *k, int32_t end, int32_t a, int32_t b)
+{
+    const tz_vec2 p = k->to->node.v[a],
+                  q = tz_curve_copy(&k->to->domain, k->to->node.v[b], p);
+    const double chord = tz_vec2_length(tz_vec2_sub(q, p));
+    const double along = atan2(q.y - p.y, q.x - p.x);
+    const double u = k->tangent[end], v = k->tangent[end ^ 1];
+    const double x = fabs(tz_rebuild_turn(u, along)),
+                 y = fabs(tz_rebuild_turn(v, along + TZ_PI));
+    const double half = cos(fmin(x + y, 2 * SHARPEST) / 4);
+    const double handle = chord / (3 * half * half);
+    const bool straight = x < STRAIGHT && y < STRAIGHT;
+    const tz_bezier line = tz_bezier_line(p, q);
+    const tz_vec2 c = {p.x + handle * cos(u), p.y + handle * sin(u)},
+                  d = {q.x + handle * cos(v), q.y + handle * sin(v)};
+    const tz_curve_piece piece = {a, b, straight ? line.p[1] : c,
+                                  straight ? line.p[2] : d, straight};
+    const double width = k->to->pen.v[k->g->edge.v[end >> 1].pen].width;
+    const tz_curve_carry carry = {.taper = {width, width},
+                                  .origin = tz_curve_no_origin(),
+                                  .has_taper = k->exemplar && k->exemplar->taper.n > 0,
+                                  .has_origin = k->exemplar != NULL};
+    return tz_curve_add_piece(k->to, &piece, &carry);
+}
+
+/* The shapes of an edge between two nodes, leaving by `end`. */
+static tz_status add_shapes(rebuild *k, int32_t end, int32_t a, int32_t b)
+{
+    const int32_t e = end >> 1, n = k->first[e + 1] - k->first[e];
+    int32_t node[2] = {a, a};
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < n && s == TZ_OK; i++) {
+        tz_rebuild_shape r = k->shape.v[k->first[e] + (end & 1 ? n - 1 - i : i)];
+        tz_curve_piece p = {.straight = r.straight};
+        if (end & 1) {
+            const tz_bezier c = r.curve;
+            r.curve = (tz_bezier){{c.p[3], c.p[2], c.p[1], c.p[0]}};
+            r.carry = tz_curve_carry_back(&r.carry);
+        }
+        const tz_vec2 to = r.curve.p[3];
+        const tz_vec3 in = tz_domain_wrap(&k->to->domain, (tz_vec3){to.x, to.y, 0});
+        node[1] = b;
+        if (i + 1 < n)
+            s = tz_curve_add_node(k->to, (tz_vec2){in.x, in.y}, &node[1]);
+        if (s != TZ_OK)
+            return s;
+        tz_curve_put(k->to, &r.curve, node, &p);
+        s = tz_curve_add_piece(k->to, &p, &r.carry);
+        node[0] = node[1];
+    }
+    return s;
+}
+
 static tz_status add_piece(rebuild *k, int32_t end)
 {
-    const tz_sample_graph *g = k->g;
-    const tz_curve_edge *e = &g->edge.v[end >> 1];
+    const tz_curve_edge *e = &k->g->edge.v[end >> 1];
     const int32_t from = end & 1 ? e->to : e->from, to = end & 1 ? e->from : e->to;
     int32_t a, b;
     tz_status s = node_of(k, from, &a);
@@ -156,18 +191,9 @@ static tz_status add_piece(rebuild *k, int32_t end)
         s = node_of(k, to, &b);
     if (s != TZ_OK)
         return s;
-    const tz_vec2 p = k->to->node.v[a], q = k->to->node.v[b];
-    const double chord = tz_vec2_length(tz_vec2_sub(q, p));
-    const double along = atan2(q.y - p.y, q.x - p.x);
-    const double u = k->tangent[end], v = k->tangent[end ^ 1];
-    const double x = fabs(signed_turn(u, along)), y = fabs(signed_turn(v, along + TZ_PI));
-    if (x < STRAIGHT && y < STRAIGHT)
-        return tz_curve_line(k->to, a, b);
-    const double half = cos(fmin(x + y, 2 * SHARPEST) / 4);
-    const double handle = chord / (3 * half * half);
-    return tz_curve_cubic(k->to, a, b,
-                          (tz_vec2){p.x + handle * cos(u), p.y + handle * sin(u)},
-                          (tz_vec2){q.x + handle * cos(v), q.y + handle * sin(v)});
+    return k->exemplar && k->first[(end >> 1) + 1] > k->first[end >> 1]
+               ? add_shapes(k, end, a, b)
+               : add_arc(k, end, a, b);
 }
 
 static tz_status add_path(rebuild *k, int32_t begin, bool around)
@@ -212,40 +238,71 @@ static tz_status check_pens(tz_ctx *ctx, const tz_sample_graph *g,
     return TZ_OK;
 }
 
-tz_status tz_curve_reconstruct(tz_ctx *ctx, const tz_sample_graph *g,
-                               const tz_curve_set *like, tz_curve_set *to)
+static tz_status rebuild_paths(rebuild *k, const tz_curve_set *like)
 {
-    const tz_domain domain = g->domain;
-    const tz_curve_join_params join = {.only_chain = true};
-    tz_curve_set raw = {0};
-    rebuild k = {.ctx = ctx, .g = g, .to = &raw};
+    const tz_sample_graph *g = k->g;
     const size_t n = (size_t)g->edge.n;
+    const tz_domain domain = g->domain;
+    tz_status s = tz_curve_set_like(k->ctx, like, &domain, k->to);
+    if (s == TZ_OK)
+        s = tz_alloc(k->ctx, &k->next, 2 * n, sizeof *k->next);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(k->ctx, &k->tangent, 2 * n, sizeof *k->tangent);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(k->ctx, &k->done, n, sizeof *k->done);
+    if (s == TZ_OK)
+        s = tz_alloc(k->ctx, &k->node, (size_t)g->sample.n, sizeof *k->node);
+    if (s != TZ_OK)
+        return s;
+    memset(k->next, 255, 2 * n * sizeof *k->next);
+    memset(k->node, 255, (size_t)g->sample.n * sizeof *k->node);
+    pair_ends(k);
+    if (k->exemplar)
+        s = tz_rebuild_detail(k);
+    return s == TZ_OK ? add_paths(k) : s;
+}
+
+static tz_status reconstruct(tz_ctx *ctx, const tz_sample_graph *g,
+                             const tz_sample_graph *exemplar, const tz_curve_set *like,
+                             tz_curve_set *to)
+{
+    const tz_curve_join_params join = {.only_chain = true};
+    tz_curve_set raw = {.ctx = ctx};
+    rebuild k = {.ctx = ctx, .g = g, .to = &raw, .exemplar = exemplar};
     memset(to, 0, sizeof *to);
     tz_status s = check_pens(ctx, g, like);
     if (s == TZ_OK)
-        s = tz_curve_set_like(ctx, like, &domain, &raw);
-    if (s == TZ_OK)
-        s = tz_alloc(ctx, &k.next, 2 * n, sizeof *k.next);
-    if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &k.tangent, 2 * n, sizeof *k.tangent);
-    if (s == TZ_OK)
-        s = tz_alloc_zero(ctx, &k.done, n, sizeof *k.done);
-    if (s == TZ_OK)
-        s = tz_alloc(ctx, &k.node, (size_t)g->sample.n, sizeof *k.node);
-    if (s == TZ_OK) {
-        memset(k.next, 255, 2 * n * sizeof *k.next);
-        memset(k.node, 255, (size_t)g->sample.n * sizeof *k.node);
-        pair_ends(&k);
-        s = add_paths(&k);
-    }
+        s = rebuild_paths(&k, like);
     if (s == TZ_OK)
         s = tz_curve_join(ctx, &raw, &join, to);
     tz_free(ctx, k.next);
     tz_free(ctx, k.tangent);
     tz_free(ctx, k.done);
     tz_free(ctx, k.node);
+    tz_free(ctx, k.first);
+    tz_array_free(ctx, &k.shape);
     tz_curve_set_deinit(&raw);
     return s;
+}
+
+tz_status tz_curve_reconstruct(tz_ctx *ctx, const tz_sample_graph *g,
+                               const tz_curve_set *like, tz_curve_set *to)
+{
+    return reconstruct(ctx, g, NULL, like, to);
+}
+
+tz_status tz_curve_reconstruct_detail(tz_ctx *ctx, const tz_sample_graph *g,
+                                      const tz_sample_graph *exemplar,
+                                      const tz_curve_set *like, tz_curve_set *to)
+{
+    memset(to, 0, sizeof *to);
+    for (int32_t i = 0; i < g->edge.n; i++)
+        if (g->edge.v[i].like >= exemplar->edge.n)
+            return tz_fail(ctx, TZ_INVALID,
+                           "edge %d of the graph is like edge %d of the exemplar, which "
+                           "does not exist",
+                           i, g->edge.v[i].like);
+    return reconstruct(ctx, g, exemplar, like, to);
 }
 
 /* ---- distance ---------------------------------------------------------------------- */
