@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Statistics of curves: of a set, or of what a rectangle (window) of its domain shows.
+ *
+ * Everything is estimated so that a window tells about the pattern, not about its own
+ * border: lines are clipped to it, what the border cuts counts as cut.
+ *
+ *   set -> joined, crossings too -> field (chords by edge, nodes, turns)  --window-->
+ *   statistics;  field -> raster (cells, distance to the next line)  --window--> cells,
+ *   patches
+ *
+ * Not installed. */
+#ifndef TZ_CURVES_CURVE_STATISTICS_H
+#define TZ_CURVES_CURVE_STATISTICS_H
+
+#include "curves/curve_compare.h"
+
+enum {
+    TZ_LINE_TURNS = 24,  /**< bins of directions, [0, pi) */
+    TZ_LINE_LAGS = 4,    /**< lengths over which lines turn */
+    TZ_LINE_ANGLES = 32, /**< bins of these angles, by their square root */
+    TZ_LINE_WAYS = 48,   /**< steps of the way to the end of an edge */
+    TZ_LINE_AREAS = 32,  /**< bins of cells' areas, two a doubling */
+    TZ_LINE_SIDE = 2048  /**< most pixels a side of rasters */
+};
+
+/** What sets that are compared are measured by. */
+typedef struct tz_line_scale {
+    double unit;  /**< area over length: as far as parallel lines of that density are
+                       apart; 1/1000 to 1/8 of the shorter side */
+    double way;   /**< ways along edges are looked at up to here */
+    double pixel; /**< of rasters */
+    double patch; /**< side of patches */
+    double lag[TZ_LINE_LAGS];
+} tz_line_scale;
+
+typedef struct tz_line_chord {
+    tz_vec2 p, q;
+    float length;
+    float angle; /**< [0, pi), against the local frame */
+    bool inside; /**< its middle lies in the region */
+} tz_line_chord;
+
+/** Between two nodes of other degree than 2: field.chord[chord .. chord + chords - 1]. */
+typedef struct tz_line_edge {
+    int32_t chord, chords;
+    bool ends[2]; /**< it really ends there; else the domain cuts it */
+    bool loop;    /**< without any such node */
+} tz_line_edge;
+
+typedef struct tz_line_node {
+    tz_vec2 at;
+    int32_t degree; /**< 1 .. TZ_CURVE_DEGREES - 1 or more; 2 = corner */
+} tz_line_node;
+
+/** By how much a path turns at a place: angle between the ways to the places so far before
+ * and behind. */
+typedef struct tz_line_turn {
+    tz_vec2 at;
+    float angle[TZ_LINE_LAGS]; /**< 0 .. pi; NAN = the path is too short */
+} tz_line_turn;
+
+typedef struct tz_line_field {
+    tz_ctx *ctx;
+    tz_domain domain;
+    tz_line_scale scale;
+    double length; /**< inside of the domain */
+    TZ_ARRAY(tz_line_chord)
+    chord;
+    TZ_ARRAY(tz_line_edge)
+    edge;
+    TZ_ARRAY(tz_line_node)
+    node; /**< inside; what the domain's border cuts is none */
+    TZ_ARRAY(tz_line_turn)
+    turn;
+} tz_line_field;
+
+/** Rectangle of a domain. */
+typedef struct tz_line_window {
+    tz_vec2 lo, hi;
+} tz_line_window;
+
+/** The scale that a set is to be measured by, out of its length and domain. */
+tz_status tz_line_scale_of(tz_ctx *ctx, const tz_curve_set *s, tz_line_scale *out);
+
+/** @param[out] f  overwritten, not freed; zeroed on error
+ * @return TZ_OK; TZ_LIMIT, TZ_NOMEM, TZ_CANCELLED (see tz_curve_join) */
+tz_status tz_line_field_init(tz_ctx *ctx, const tz_curve_set *s,
+                             const tz_line_scale *scale, tz_line_field *f);
+void tz_line_field_deinit(tz_line_field *f); /**< takes zeroed */
+tz_line_window tz_line_whole(const tz_line_field *f);
+
+typedef struct tz_line_statistics {
+    double area, length;
+    double nodes[TZ_CURVE_DEGREES];               /**< by degree, [0] = degree 1 */
+    double orientation[TZ_LINE_TURNS];            /**< shares of length */
+    double turning[TZ_LINE_LAGS][TZ_LINE_ANGLES]; /**< shares */
+    /** Share of places on lines from which the edge goes on for longer than so many
+     * steps, either way; NAN where nothing in the window is long enough to tell.
+     * @source Kaplan, Meier 1958; for spatial windows Baddeley, Gill 1997 */
+    double survival[TZ_LINE_WAYS + 1];
+} tz_line_statistics;
+
+/** @cost O(chords + nodes + turns) */
+void tz_line_statistics_of(const tz_line_field *f, tz_line_window w,
+                           tz_line_statistics *out);
+
+/* ---- rasters ------------------------------------------------------------------------ */
+
+/** A cell: room that lines enclose. */
+typedef struct tz_line_cell {
+    double area;
+    tz_vec2 lo, hi; /**< box */
+    bool cut;       /**< the border of the raster or of the region cuts it */
+} tz_line_cell;
+
+typedef struct tz_line_raster {
+    tz_ctx *ctx;
+    int32_t width, height;
+    double pixel;
+    tz_vec2 origin;  /**< in the domain: corner of pixel 0, 0 */
+    float *distance; /**< to the next line, at most scale.unit; user units */
+    TZ_ARRAY(tz_line_cell)
+    cell;
+} tz_line_raster;
+
+/** Of the whole domain; of a domain over TZ_LINE_SIDE pixels the middle. */
+tz_status tz_line_raster_init(const tz_line_field *f, tz_line_raster *r);
+void tz_line_raster_deinit(tz_line_raster *r); /**< takes zeroed */
+
+/** Share of the window's area that lies in cells of up to (k + 1) half doublings of area.
+ * Cells as wide as 0.7 of `widest` are not looked at; those that the window cuts are made
+ * up for by the weight of those that it could have cut.
+ * @source Miles 1974, Lantuejoul 1980: area over that of the places where the box fits */
+void tz_line_cells_of(const tz_line_field *f, const tz_line_raster *r, tz_line_window w,
+                      tz_vec2 widest, double share[TZ_LINE_AREAS]);
+
+/** Mean over places of `a` of the root mean square difference between the patch of
+ * distances there and the most alike one of `b`, in units of the scale; NAN where no patch
+ * fits in. With frames patches are turned. */
+tz_status tz_line_patches(const tz_line_field *fa, const tz_line_raster *a,
+                          tz_line_window wa, const tz_line_field *fb,
+                          const tz_line_raster *b, tz_line_window wb, double *out);
+
+/* ---- repeats ------------------------------------------------------------------------ */
+
+/** Share of the length of lines that occurs a second time elsewhere, only moved: in a run
+ * at least `run` long of one path, to 1 % of that. Straight runs do not count: any line
+ * repeats those. Estimated from at most 3,000 runs. */
+tz_status tz_line_repeats(tz_ctx *ctx, const tz_curve_set *s, double run, double *share);
+
+#endif
