@@ -171,8 +171,7 @@ static double kink(const tz_rebuild *k, int32_t x, int32_t y)
     const int32_t a = like_end(k, x), b = like_end(k, y);
     if (like_sample(k, a) != like_sample(k, b) || a >> 1 == b >> 1)
         return 0;
-    const double turn = tz_rebuild_turn(like_tangent(k, a), like_tangent(k, b) + TZ_PI);
-    return fabs(turn) < TZ_REBUILD_OPPOSITE ? turn : 0;
+    return tz_rebuild_turn(like_tangent(k, a), like_tangent(k, b) + TZ_PI);
 }
 
 /* Directions that edges with shapes are to have; interpolated ones follow them. */

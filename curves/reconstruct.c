@@ -127,6 +127,21 @@ static tz_status node_of(rebuild *k, int32_t sample, int32_t *node)
     return s;
 }
 
+/* Widths of an interpolated piece: those of the line that it is like, or its pen's. */
+static tz_curve_taper arc_taper(const rebuild *k, int32_t end)
+{
+    const tz_curve_edge *e = &k->g->edge.v[end >> 1];
+    const double pen = k->to->pen.v[e->pen].width;
+    if (!k->exemplar || k->exemplar->taper.n == 0 || e->like < 0 ||
+        k->exemplar->edge.v[e->like].shapes == 0)
+        return (tz_curve_taper){pen, pen};
+    const tz_curve_edge *l = &k->exemplar->edge.v[e->like];
+    const double head = k->exemplar->taper.v[l->shape].from,
+                 tail = k->exemplar->taper.v[l->shape + l->shapes - 1].to;
+    const bool back = e->back != (bool)(end & 1);
+    return (tz_curve_taper){back ? tail : head, back ? head : tail};
+}
+
 /* The piece along an edge between two nodes, leaving by `end`: interpolated. */
 static tz_status add_arc(rebuild *k, int32_t end, int32_t a, int32_t b)
 {
@@ -145,8 +160,7 @@ static tz_status add_arc(rebuild *k, int32_t end, int32_t a, int32_t b)
                   d = {q.x + handle * cos(v), q.y + handle * sin(v)};
     const tz_curve_piece piece = {a, b, straight ? line.p[1] : c,
                                   straight ? line.p[2] : d, straight};
-    const double width = k->to->pen.v[k->g->edge.v[end >> 1].pen].width;
-    const tz_curve_carry carry = {.taper = {width, width},
+    const tz_curve_carry carry = {.taper = arc_taper(k, end),
                                   .origin = tz_curve_no_origin(),
                                   .has_taper = k->exemplar && k->exemplar->taper.n > 0,
                                   .has_origin = k->exemplar != NULL};

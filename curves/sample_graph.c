@@ -356,8 +356,13 @@ static tz_status add_shape(sampler *k, int32_t piece, const double t[2], tz_vec2
     const tz_bezier *whole = &k->line.curve.v[piece];
     tz_bezier c = tz_bezier_part(whole, t[0], t[1]);
     tz_curve_carry carry = tz_curve_carried(&k->set, k->line.piece + piece);
-    for (int i = 0; i < 4; i++)
+    double size = 0;
+    for (int i = 0; i < 4; i++) {
+        size = fmax(size, tz_vec2_length(tz_vec2_sub(c.p[i], c.p[0])));
         c.p[i] = tz_vec2_add(c.p[i], by);
+    }
+    if (!(size > 1e-9 * g->spacing))
+        return TZ_OK; /* rounding has left a point */
     tz_status s = tz_array_push(k->ctx, &g->shape, c);
     if (s == TZ_OK && carry.has_taper) {
         carry = tz_curve_carry_part(&carry, whole, t[0], t[1]);
