@@ -31,18 +31,18 @@ typedef struct differences {
 
 /* A window of a field with all that it is compared by. */
 typedef struct view {
-    const tz_line_field *f;
-    const tz_line_raster *r;
-    tz_line_window w;
-    tz_line_statistics s;
-    double cells[TZ_LINE_AREAS];
+    const tz_linework_field *f;
+    const tz_linework_raster *r;
+    tz_linework_window w;
+    tz_linework_statistics s;
+    double cells[TZ_LINEWORK_AREAS];
 } view;
 
 struct tz_curve_standard {
     tz_ctx *ctx;
     const tz_curve_set *set;
-    tz_line_field field;
-    tz_line_raster raster;
+    tz_linework_field field;
+    tz_linework_raster raster;
     view whole;
     tz_vec2 widest; /* of cells */
     double nodes;   /* per length, that differences of nodes are over */
@@ -50,12 +50,12 @@ struct tz_curve_standard {
     double repeats;
 };
 
-static void look(const tz_curve_standard *k, const tz_line_field *f,
-                 const tz_line_raster *r, tz_line_window w, view *v)
+static void look(const tz_curve_standard *k, const tz_linework_field *f,
+                 const tz_linework_raster *r, tz_linework_window w, view *v)
 {
     *v = (view){.f = f, .r = r, .w = w};
-    tz_line_statistics_of(f, w, &v->s);
-    tz_line_cells_of(f, r, w, k->widest, v->cells);
+    tz_linework_statistics_of(f, w, &v->s);
+    tz_linework_cells_of(f, r, w, k->widest, v->cells);
 }
 
 /* ---- differences -------------------------------------------------------------------- */
@@ -87,15 +87,16 @@ static double cumulated_apart(const double *a, const double *b, int32_t n)
     return sum / n;
 }
 
-static double rate(const tz_line_statistics *s, double count)
+static double rate(const tz_linework_statistics *s, double count)
 {
     return s->length > 0 ? count / s->length : 0;
 }
 
-static double edges_apart(const tz_line_statistics *a, const tz_line_statistics *b)
+static double edges_apart(const tz_linework_statistics *a,
+                          const tz_linework_statistics *b)
 {
     double sum = 0, n = 0, least = 1;
-    for (int k = 1; k <= TZ_LINE_WAYS; k++) {
+    for (int k = 1; k <= TZ_LINEWORK_WAYS; k++) {
         if (isnan(a->survival[k]) || isnan(b->survival[k]))
             continue;
         sum += fabs(a->survival[k] - b->survival[k]);
@@ -105,16 +106,17 @@ static double edges_apart(const tz_line_statistics *a, const tz_line_statistics 
     return n > 0 && least < 1 ? sum / n : NAN;
 }
 
-static double turning_apart(const tz_line_statistics *a, const tz_line_statistics *b)
+static double turning_apart(const tz_linework_statistics *a,
+                            const tz_linework_statistics *b)
 {
     double sum = 0, n = 0;
-    for (int k = 0; k < TZ_LINE_LAGS; k++) {
-        const double in_a = sum_of(a->turning[k], TZ_LINE_ANGLES),
-                     in_b = sum_of(b->turning[k], TZ_LINE_ANGLES);
+    for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
+        const double in_a = sum_of(a->turning[k], TZ_LINEWORK_ANGLES),
+                     in_b = sum_of(b->turning[k], TZ_LINEWORK_ANGLES);
         if (!(in_a > 0) && !(in_b > 0))
             continue;
         sum += in_a > 0 && in_b > 0
-                   ? cumulated_apart(a->turning[k], b->turning[k], TZ_LINE_ANGLES)
+                   ? cumulated_apart(a->turning[k], b->turning[k], TZ_LINEWORK_ANGLES)
                    : 0.5;
         n++;
     }
@@ -124,9 +126,9 @@ static double turning_apart(const tz_line_statistics *a, const tz_line_statistic
 static double cells_apart(const view *a, const view *b)
 {
     double sum = 0;
-    if (a->cells[TZ_LINE_AREAS - 1] < 0.02 && b->cells[TZ_LINE_AREAS - 1] < 0.02)
+    if (a->cells[TZ_LINEWORK_AREAS - 1] < 0.02 && b->cells[TZ_LINEWORK_AREAS - 1] < 0.02)
         return NAN;
-    for (int k = 0; k < TZ_LINE_AREAS; k++)
+    for (int k = 0; k < TZ_LINEWORK_AREAS; k++)
         sum += fabs(a->cells[k] - b->cells[k]);
     /* of the eight doublings that cells of one pattern are spread over, at most */
     return fmin(1, sum / 16);
@@ -135,7 +137,7 @@ static double cells_apart(const view *a, const view *b)
 /* All but patches. */
 static differences compare_views(const tz_curve_standard *k, const view *a, const view *b)
 {
-    const tz_line_statistics *p = &a->s, *q = &b->s;
+    const tz_linework_statistics *p = &a->s, *q = &b->s;
     differences d;
     double nodes = 0;
     for (int i = 0; i < TZ_CURVE_DEGREES; i++)
@@ -144,7 +146,7 @@ static differences compare_views(const tz_curve_standard *k, const view *a, cons
     d.of[ENDS] = fabs(rate(p, p->nodes[0]) - rate(q, q->nodes[0])) / k->nodes;
     d.of[EDGES] = edges_apart(p, q);
     d.of[TURNING] = turning_apart(p, q);
-    d.of[ORIENTATION] = apart(p->orientation, q->orientation, TZ_LINE_TURNS) / 2;
+    d.of[ORIENTATION] = apart(p->orientation, q->orientation, TZ_LINEWORK_TURNS) / 2;
     d.of[DENSITY] = p->area > 0 && q->area > 0
                         ? fabs(p->length / p->area - q->length / q->area) *
                               k->whole.s.area / k->whole.s.length
@@ -171,25 +173,26 @@ static void add(mean *m, const differences *d, double factor)
 }
 
 /* Halves: left, right, top, bottom; then pairs of quarters. */
-static void list_windows(const tz_line_field *f, tz_line_window w[WINDOWS])
+static void list_windows(const tz_linework_field *f, tz_linework_window w[WINDOWS])
 {
     const double x = f->domain.size.x, y = f->domain.size.y;
     tz_rng rng = tz_rng_make(2, 1);
-    w[0] = (tz_line_window){{0, 0}, {x / 2, y}};
-    w[1] = (tz_line_window){{x / 2, 0}, {x, y}};
-    w[2] = (tz_line_window){{0, 0}, {x, y / 2}};
-    w[3] = (tz_line_window){{0, y / 2}, {x, y}};
+    w[0] = (tz_linework_window){{0, 0}, {x / 2, y}};
+    w[1] = (tz_linework_window){{x / 2, 0}, {x, y}};
+    w[2] = (tz_linework_window){{0, 0}, {x, y / 2}};
+    w[3] = (tz_linework_window){{0, y / 2}, {x, y}};
     for (int k = 0; k < QUARTERS; k++)
         for (int i = 0; i < 2; i++) {
             const double at = tz_rng_unit(&rng) / 2, side = i ? 0.5 : 0;
             const tz_vec2 lo = {x * (k & 1 ? at : side), y * (k & 1 ? side : at)};
-            w[HALVES + 2 * k + i] = (tz_line_window){lo, {lo.x + x / 2, lo.y + y / 2}};
+            w[HALVES + 2 * k + i] =
+                (tz_linework_window){lo, {lo.x + x / 2, lo.y + y / 2}};
         }
 }
 
 static tz_status compare_parts(tz_curve_standard *k)
 {
-    tz_line_window w[WINDOWS];
+    tz_linework_window w[WINDOWS];
     mean m = {{0}, {0}};
     tz_status s = TZ_OK;
     list_windows(&k->field, w);
@@ -201,8 +204,8 @@ static tz_status compare_parts(tz_curve_standard *k)
         add(&m, &d, i < HALVES ? 1 : sqrt(0.5));
         for (int back = 0; back < 2 && i < HALVES && s == TZ_OK; back++) {
             double p = 0;
-            s = tz_line_patches(&k->field, &k->raster, w[i + back], &k->field, &k->raster,
-                                w[i + 1 - back], &p);
+            s = tz_linework_patches(&k->field, &k->raster, w[i + back], &k->field,
+                                    &k->raster, w[i + 1 - back], &p);
             m.sum[PATCHES] += isnan(p) ? 0 : p;
             m.n[PATCHES] += !isnan(p);
         }
@@ -216,8 +219,8 @@ void tz_curve_standard_free(tz_curve_standard *k)
 {
     if (!k)
         return;
-    tz_line_field_deinit(&k->field);
-    tz_line_raster_deinit(&k->raster);
+    tz_linework_field_deinit(&k->field);
+    tz_linework_raster_deinit(&k->raster);
     tz_free(k->ctx, k);
 }
 
@@ -228,26 +231,27 @@ static double repeated_run(const tz_curve_set *s)
 
 static tz_status fill_standard(tz_curve_standard *k)
 {
-    tz_line_scale scale;
-    tz_status s = tz_line_scale_of(k->ctx, k->set, &scale);
+    tz_linework_scale scale;
+    tz_status s = tz_linework_scale_of(k->ctx, k->set, &scale);
     if (s == TZ_OK)
-        s = tz_line_field_init(k->ctx, k->set, &scale, &k->field);
+        s = tz_linework_field_init(k->ctx, k->set, &scale, &k->field);
     if (s != TZ_OK)
         return s;
     if (!(k->field.length > 0))
         return tz_fail(k->ctx, TZ_INVALID,
                        "likeness: no line of the exemplar lies in its domain");
-    s = tz_line_raster_init(&k->field, &k->raster);
+    s = tz_linework_raster_init(&k->field, &k->raster);
     if (s != TZ_OK)
         return s;
     const tz_vec3 size = k->field.domain.size;
     k->widest = (tz_vec2){size.x / 2, size.y / 2};
-    look(k, &k->field, &k->raster, tz_line_whole(&k->field), &k->whole);
+    look(k, &k->field, &k->raster, tz_linework_whole(&k->field), &k->whole);
     k->nodes = fmax(rate(&k->whole.s, sum_of(k->whole.s.nodes, TZ_CURVE_DEGREES)),
                     1 / (20 * scale.unit));
     s = compare_parts(k);
-    return s == TZ_OK ? tz_line_repeats(k->ctx, k->set, repeated_run(k->set), &k->repeats)
-                      : s;
+    return s == TZ_OK
+               ? tz_linework_repeats(k->ctx, k->set, repeated_run(k->set), &k->repeats)
+               : s;
 }
 
 tz_status tz_curve_standard_new(tz_ctx *ctx, const tz_curve_set *exemplar,
@@ -322,7 +326,7 @@ static void rate_all(const tz_curve_standard *k, const view *v, differences d,
     out->mean = n > 0 ? sum / n : 0;
 }
 
-static void fill_rates(const tz_line_statistics *s, int i, tz_curve_likeness *out)
+static void fill_rates(const tz_linework_statistics *s, int i, tz_curve_likeness *out)
 {
     const double all = sum_of(s->nodes, TZ_CURVE_DEGREES);
     out->length[i] = s->area > 0 ? s->length / s->area : 0;
@@ -334,25 +338,26 @@ static void fill_rates(const tz_line_statistics *s, int i, tz_curve_likeness *ou
 tz_status tz_curve_standard_compare(const tz_curve_standard *k,
                                     const tz_curve_set *layout, tz_curve_likeness *out)
 {
-    tz_line_field f = {0};
-    tz_line_raster r = {0};
+    tz_linework_field f = {0};
+    tz_linework_raster r = {0};
     tz_curve_likeness l = {.repeats_own = k->repeats};
     tz_ctx *ctx = k->ctx;
     view v;
     tz_status s = tz_curve_set_check(ctx, layout, "layout");
     if (s == TZ_OK)
-        s = tz_line_field_init(ctx, layout, &k->field.scale, &f);
+        s = tz_linework_field_init(ctx, layout, &k->field.scale, &f);
     if (s == TZ_OK && !(f.length > 0))
         s = tz_fail(ctx, TZ_INVALID, "likeness: the layout has no lines in its domain");
     if (s == TZ_OK)
-        s = tz_line_raster_init(&f, &r);
+        s = tz_linework_raster_init(&f, &r);
     if (s != TZ_OK)
         goto done;
-    look(k, &f, &r, tz_line_whole(&f), &v);
+    look(k, &f, &r, tz_linework_whole(&f), &v);
     differences d = compare_views(k, &v, &k->whole);
-    s = tz_line_patches(&f, &r, v.w, &k->field, &k->raster, k->whole.w, &d.of[PATCHES]);
+    s = tz_linework_patches(&f, &r, v.w, &k->field, &k->raster, k->whole.w,
+                            &d.of[PATCHES]);
     if (s == TZ_OK)
-        s = tz_line_repeats(ctx, layout, repeated_run(k->set), &l.repeats);
+        s = tz_linework_repeats(ctx, layout, repeated_run(k->set), &l.repeats);
     if (s != TZ_OK)
         goto done;
     rate_all(k, &v, d, &l);
@@ -361,8 +366,8 @@ tz_status tz_curve_standard_compare(const tz_curve_standard *k,
     l.degree_off = apart(l.degree[0], l.degree[1], TZ_CURVE_DEGREES) / 2;
     *out = l;
 done:
-    tz_line_field_deinit(&f);
-    tz_line_raster_deinit(&r);
+    tz_linework_field_deinit(&f);
+    tz_linework_raster_deinit(&r);
     return s;
 }
 

@@ -14,8 +14,8 @@ enum {
 };
 
 typedef struct search {
-    const tz_line_field *f;
-    const tz_line_raster *r;
+    const tz_linework_field *f;
+    const tz_linework_raster *r;
     double patch, unit, step;
     int32_t n;
     tz_vec2 *at;   /* places of the grid */
@@ -25,7 +25,7 @@ typedef struct search {
 } search;
 
 /* The distance to the next line, over the unit. */
-static float sample(const tz_line_raster *r, double unit, double x, double y)
+static float sample(const tz_linework_raster *r, double unit, double x, double y)
 {
     const double u = fmin(fmax((x - r->origin.x) / r->pixel - 0.5, 0), r->width - 1),
                  v = fmin(fmax((y - r->origin.y) / r->pixel - 0.5, 0), r->height - 1);
@@ -38,7 +38,7 @@ static float sample(const tz_line_raster *r, double unit, double x, double y)
     return (float)(d / unit);
 }
 
-static void take(const tz_line_field *f, const tz_line_raster *r, tz_vec2 at,
+static void take(const tz_linework_field *f, const tz_linework_raster *r, tz_vec2 at,
                  double patch, double unit, float *out)
 {
     const double turn = tz_domain_frame(&f->domain, (tz_vec3){at.x, at.y, 0});
@@ -63,24 +63,24 @@ static float apart(const float *a, const float *b)
 }
 
 /* Where patches may lie: the window less their half. */
-static tz_line_window room(const tz_line_field *f, const tz_line_raster *r,
-                           tz_line_window w, double patch)
+static tz_linework_window room(const tz_linework_field *f, const tz_linework_raster *r,
+                               tz_linework_window w, double patch)
 {
     const double half = patch * (f->domain.frames ? 0.7072 : 0.5);
     const tz_vec2 far = {r->origin.x + r->width * r->pixel,
                          r->origin.y + r->height * r->pixel};
-    return (tz_line_window){
+    return (tz_linework_window){
         {fmax(w.lo.x, r->origin.x) + half, fmax(w.lo.y, r->origin.y) + half},
         {fmin(w.hi.x, far.x) - half, fmin(w.hi.y, far.y) - half}};
 }
 
-static bool fits(const tz_line_field *f, tz_vec2 at, double patch)
+static bool fits(const tz_linework_field *f, tz_vec2 at, double patch)
 {
     return !f->domain.region ||
            tz_region_distance(f->domain.region, (tz_vec3){at.x, at.y, 0}) > 0.5 * patch;
 }
 
-static tz_status fill_grid(search *k, tz_line_window w)
+static tz_status fill_grid(search *k, tz_linework_window w)
 {
     const double x = w.hi.x - w.lo.x, y = w.hi.y - w.lo.y;
     const int32_t nx = 1 + (int32_t)(x / k->step), ny = 1 + (int32_t)(y / k->step);
@@ -129,12 +129,13 @@ static tz_status find(tz_ctx *ctx, void *arg, int64_t i, int worker)
     return TZ_OK;
 }
 
-tz_status tz_line_patches(const tz_line_field *fa, const tz_line_raster *a,
-                          tz_line_window wa, const tz_line_field *fb,
-                          const tz_line_raster *b, tz_line_window wb, double *out)
+tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_raster *a,
+                              tz_linework_window wa, const tz_linework_field *fb,
+                              const tz_linework_raster *b, tz_linework_window wb,
+                              double *out)
 {
     const double patch = fb->scale.patch, unit = fb->scale.unit;
-    const tz_line_window ra = room(fa, a, wa, patch), rb = room(fb, b, wb, patch);
+    const tz_linework_window ra = room(fa, a, wa, patch), rb = room(fb, b, wb, patch);
     const double all = fb->domain.size.x * fb->domain.size.y;
     search k = {.f = fb, .r = b, .patch = patch, .unit = unit};
     tz_rng rng = tz_rng_make(1, 1);

@@ -10,8 +10,8 @@
 enum { FREE = -1, LINE = -2, OUTSIDE = -3, COLUMNS = 64 };
 
 typedef struct painter {
-    const tz_line_field *f;
-    tz_line_raster *r;
+    const tz_linework_field *f;
+    tz_linework_raster *r;
     int32_t *label;
 } painter;
 
@@ -19,16 +19,16 @@ typedef struct painter {
 
 static void put(const painter *k, double x, double y)
 {
-    const tz_line_raster *r = k->r;
+    const tz_linework_raster *r = k->r;
     const double i = floor(x), j = floor(y);
     if (i >= 0 && j >= 0 && i < r->width && j < r->height)
         k->label[(int64_t)j * r->width + (int64_t)i] = LINE;
 }
 
 /* One pixel for each column or row that the chord runs through, whichever it has more. */
-static void draw(const painter *k, const tz_line_chord *c)
+static void draw(const painter *k, const tz_linework_chord *c)
 {
-    const tz_line_raster *r = k->r;
+    const tz_linework_raster *r = k->r;
     double x = (c->p.x - r->origin.x) / r->pixel, y = (c->p.y - r->origin.y) / r->pixel;
     const double u = (c->q.x - r->origin.x) / r->pixel,
                  v = (c->q.y - r->origin.y) / r->pixel;
@@ -54,7 +54,7 @@ static void draw(const painter *k, const tz_line_chord *c)
 
 static void draw_all(const painter *k)
 {
-    const tz_line_raster *r = k->r;
+    const tz_linework_raster *r = k->r;
     const int64_t n = (int64_t)r->width * r->height;
     const tz_region *region = k->f->domain.region;
     for (int64_t i = 0; i < n; i++) {
@@ -71,9 +71,9 @@ static void draw_all(const painter *k)
 
 /* A cell by flooding. */
 static void flood(const painter *k, int32_t *stack, int32_t seed, int32_t id,
-                  tz_line_cell *out)
+                  tz_linework_cell *out)
 {
-    const tz_line_raster *r = k->r;
+    const tz_linework_raster *r = k->r;
     const int32_t w = r->width, h = r->height;
     int32_t n = 0, x0 = w, y0 = h, x1 = 0, y1 = 0;
     double area = 0;
@@ -97,17 +97,17 @@ static void flood(const painter *k, int32_t *stack, int32_t seed, int32_t id,
         }
     }
     const double px = r->pixel;
-    *out =
-        (tz_line_cell){.area = area * px * px,
-                       .lo = {r->origin.x + x0 * px, r->origin.y + y0 * px},
-                       .hi = {r->origin.x + (x1 + 1) * px, r->origin.y + (y1 + 1) * px},
-                       .cut = cut};
+    *out = (tz_linework_cell){
+        .area = area * px * px,
+        .lo = {r->origin.x + x0 * px, r->origin.y + y0 * px},
+        .hi = {r->origin.x + (x1 + 1) * px, r->origin.y + (y1 + 1) * px},
+        .cut = cut};
 }
 
 /* The pixels of lines belong to the cells beside them. */
 static void share_lines(const painter *k)
 {
-    tz_line_raster *r = k->r;
+    tz_linework_raster *r = k->r;
     const int32_t w = r->width, h = r->height;
     for (int32_t at = 0; at < w * h; at++) {
         const int32_t x = at % w, y = at / w;
@@ -126,10 +126,10 @@ static void share_lines(const painter *k)
 
 static tz_status find_cells(const painter *k, int32_t *stack)
 {
-    tz_line_raster *r = k->r;
+    tz_linework_raster *r = k->r;
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < r->width * r->height && s == TZ_OK; i++) {
-        tz_line_cell c;
+        tz_linework_cell c;
         if (k->label[i] != FREE)
             continue;
         flood(k, stack, i, r->cell.n, &c);
@@ -140,8 +140,9 @@ static tz_status find_cells(const painter *k, int32_t *stack)
     return s;
 }
 
-void tz_line_cells_of(const tz_line_field *f, const tz_line_raster *r, tz_line_window w,
-                      tz_vec2 widest, double share[TZ_LINE_AREAS])
+void tz_linework_cells_of(const tz_linework_field *f, const tz_linework_raster *r,
+                          tz_linework_window w, tz_vec2 widest,
+                          double share[TZ_LINEWORK_AREAS])
 {
     const double unit = f->scale.unit;
     w.lo = (tz_vec2){fmax(w.lo.x, r->origin.x), fmax(w.lo.y, r->origin.y)};
@@ -151,30 +152,30 @@ void tz_line_cells_of(const tz_line_field *f, const tz_line_raster *r, tz_line_w
     double area = x * y;
     if (f->domain.region)
         area *= fmin(1, f->domain.region->area / (f->domain.size.x * f->domain.size.y));
-    memset(share, 0, TZ_LINE_AREAS * sizeof *share);
+    memset(share, 0, TZ_LINEWORK_AREAS * sizeof *share);
     for (int32_t i = 0; i < r->cell.n; i++) {
-        const tz_line_cell *c = &r->cell.v[i];
+        const tz_linework_cell *c = &r->cell.v[i];
         const double cx = c->hi.x - c->lo.x, cy = c->hi.y - c->lo.y;
         if (c->cut || c->lo.x <= w.lo.x || c->lo.y <= w.lo.y || c->hi.x >= w.hi.x ||
             c->hi.y >= w.hi.y || cx > 0.7 * widest.x || cy > 0.7 * widest.y)
             continue;
         const double weight =
             area > 0 ? c->area / area * x * y / ((x - cx) * (y - cy)) : 0;
-        const double at = 2 * log2(c->area / (unit * unit)) + 0.5 * TZ_LINE_AREAS;
-        const double low = floor(fmin(fmax(at, 0), TZ_LINE_AREAS - 1));
+        const double at = 2 * log2(c->area / (unit * unit)) + 0.5 * TZ_LINEWORK_AREAS;
+        const double low = floor(fmin(fmax(at, 0), TZ_LINEWORK_AREAS - 1));
         const double t = fmin(fmax(at - low, 0), 1);
         share[(int32_t)low] += weight * (1 - t);
-        if (low + 1 < TZ_LINE_AREAS)
+        if (low + 1 < TZ_LINEWORK_AREAS)
             share[(int32_t)low + 1] += weight * t;
     }
-    for (int k = 1; k < TZ_LINE_AREAS; k++)
+    for (int k = 1; k < TZ_LINEWORK_AREAS; k++)
         share[k] += share[k - 1];
 }
 
 /* ---- distances ---------------------------------------------------------------------- */
 
 typedef struct transform {
-    tz_line_raster *r;
+    tz_linework_raster *r;
     float *to; /* px */
     float most;
 } transform;
@@ -223,7 +224,7 @@ static tz_status pass_row(tz_ctx *ctx, void *arg, int64_t y, int worker)
 
 static tz_status find_distances(const painter *k)
 {
-    tz_line_raster *r = k->r;
+    tz_linework_raster *r = k->r;
     transform t = {.r = r, .most = (float)ceil(k->f->scale.unit / r->pixel)};
     const size_t n = (size_t)r->width * (size_t)r->height;
     tz_status s = tz_alloc(r->ctx, &r->distance, n, sizeof *r->distance);
@@ -241,12 +242,12 @@ static tz_status find_distances(const painter *k)
 
 /* ---- all ---------------------------------------------------------------------------- */
 
-tz_status tz_line_raster_init(const tz_line_field *f, tz_line_raster *r)
+tz_status tz_linework_raster_init(const tz_linework_field *f, tz_linework_raster *r)
 {
-    const double px = f->scale.pixel, side = TZ_LINE_SIDE;
+    const double px = f->scale.pixel, side = TZ_LINEWORK_SIDE;
     const double w = fmin(side, fmax(1, floor(f->domain.size.x / px))),
                  h = fmin(side, fmax(1, floor(f->domain.size.y / px)));
-    *r = (tz_line_raster){
+    *r = (tz_linework_raster){
         .ctx = f->ctx,
         .width = (int32_t)w,
         .height = (int32_t)h,
@@ -267,13 +268,13 @@ tz_status tz_line_raster_init(const tz_line_field *f, tz_line_raster *r)
     tz_free(r->ctx, stack);
     tz_free(r->ctx, k.label);
     if (s != TZ_OK)
-        tz_line_raster_deinit(r);
+        tz_linework_raster_deinit(r);
     return s;
 }
 
-void tz_line_raster_deinit(tz_line_raster *r)
+void tz_linework_raster_deinit(tz_linework_raster *r)
 {
     tz_free(r->ctx, r->distance);
     tz_array_free(r->ctx, &r->cell);
-    *r = (tz_line_raster){0};
+    *r = (tz_linework_raster){0};
 }

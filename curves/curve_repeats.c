@@ -224,7 +224,8 @@ static tz_status fill(finder *k, double total)
     return s;
 }
 
-tz_status tz_line_repeats(tz_ctx *ctx, const tz_curve_set *s, double run, double *share)
+tz_status tz_linework_repeats(tz_ctx *ctx, const tz_curve_set *s, double run,
+                              double *share)
 {
     finder k = {.ctx = ctx, .run = run};
     double total = 0, found = 0;

@@ -32,7 +32,7 @@ typedef struct polyline {
 
 typedef struct builder {
     tz_ctx *ctx;
-    tz_line_field *f;
+    tz_linework_field *f;
     tz_curve_set set; /* joined, plain */
     double chord;     /* longest */
     int32_t *degree;  /* by node */
@@ -110,7 +110,7 @@ static tz_status cut_open(tz_ctx *ctx, const tz_curve_set *from, double toleranc
     return s;
 }
 
-tz_status tz_line_scale_of(tz_ctx *ctx, const tz_curve_set *s, tz_line_scale *out)
+tz_status tz_linework_scale_of(tz_ctx *ctx, const tz_curve_set *s, tz_linework_scale *out)
 {
     const double shorter = fmin(s->domain.size.x, s->domain.size.y);
     double length = 0;
@@ -122,11 +122,11 @@ tz_status tz_line_scale_of(tz_ctx *ctx, const tz_curve_set *s, tz_line_scale *ou
         return tz_fail(ctx, TZ_INVALID,
                        "likeness: the exemplar has no lines to compare with");
     const double unit = tz_domain_area(&s->domain) / length;
-    *out = (tz_line_scale){.unit = fmin(fmax(unit, shorter / 1000), shorter / 8)};
+    *out = (tz_linework_scale){.unit = fmin(fmax(unit, shorter / 1000), shorter / 8)};
     out->way = fmin(8 * out->unit, shorter / 2);
-    out->pixel = fmax(out->unit / 8, shorter / TZ_LINE_SIDE);
+    out->pixel = fmax(out->unit / 8, shorter / TZ_LINEWORK_SIDE);
     out->patch = fmin(3 * out->unit, 0.3 * shorter);
-    for (int k = 0; k < TZ_LINE_LAGS; k++)
+    for (int k = 0; k < TZ_LINEWORK_LAGS; k++)
         out->lag[k] = out->unit * (0.25 * (1 << k));
     return TZ_OK;
 }
@@ -141,17 +141,17 @@ static double depth(const tz_domain *d, tz_vec2 p)
 
 static tz_status add_chord(builder *b, tz_vec2 p, tz_vec2 q)
 {
-    tz_line_field *f = b->f;
+    tz_linework_field *f = b->f;
     const tz_vec2 d = tz_vec2_sub(q, p);
     const tz_vec3 mid = {(p.x + q.x) / 2, (p.y + q.y) / 2, 0};
     double angle = atan2(d.y, d.x) - tz_domain_frame(&f->domain, mid);
     angle -= floor(angle / TZ_PI) * TZ_PI;
-    const tz_line_chord c = {.p = p,
-                             .q = q,
-                             .length = (float)tz_vec2_length(d),
-                             .angle = (float)angle,
-                             .inside = !f->domain.region ||
-                                       tz_region_distance(f->domain.region, mid) > 0};
+    const tz_linework_chord c = {.p = p,
+                                 .q = q,
+                                 .length = (float)tz_vec2_length(d),
+                                 .angle = (float)angle,
+                                 .inside = !f->domain.region ||
+                                           tz_region_distance(f->domain.region, mid) > 0};
     return c.length > 0 ? tz_array_push(b->ctx, &f->chord, c) : TZ_OK;
 }
 
@@ -194,7 +194,7 @@ static bool ends_at(const builder *b, int32_t node)
 /* The edge that leaves `node` by that end of a piece. */
 static tz_status add_edge(builder *b, int32_t node, int32_t end, bool loop)
 {
-    tz_line_edge e = {.chord = b->f->chord.n, .loop = loop};
+    tz_linework_edge e = {.chord = b->f->chord.n, .loop = loop};
     tz_status s = TZ_OK;
     e.ends[0] = loop || ends_at(b, node);
     for (int32_t guard = 0; guard <= b->set.piece.n && s == TZ_OK; guard++) {
@@ -251,7 +251,7 @@ static tz_status add_edges(builder *b)
         const int32_t d = b->degree[i];
         if (s == TZ_OK && d != 2 && ends_at(b, i))
             s = tz_array_push(b->ctx, &b->f->node,
-                              ((tz_line_node){.at = b->set.node.v[i], .degree = d}));
+                              ((tz_linework_node){.at = b->set.node.v[i], .degree = d}));
     }
     for (int32_t i = 0; s == TZ_OK && i < b->set.piece.n; i++)
         if (!b->done[i])
@@ -333,9 +333,9 @@ static tz_status add_turns(builder *b, double step)
     tz_status s = TZ_OK;
     for (double i = 0; i < n && s == TZ_OK; i++) {
         const double along = (i + 0.5) / n * length;
-        tz_line_turn t = {.at = place(l, along)};
+        tz_linework_turn t = {.at = place(l, along)};
         bool any = false;
-        for (int k = 0; k < TZ_LINE_LAGS; k++) {
+        for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
             t.angle[k] = (float)turn_at(l, along, b->f->scale.lag[k]);
             any |= !isnan(t.angle[k]);
         }
@@ -366,7 +366,7 @@ static tz_status add_corners(builder *b)
         first = first < 0 ? along : first;
         last = along;
         s = tz_array_push(b->ctx, &b->f->node,
-                          ((tz_line_node){.at = l->point.v[i], .degree = 2}));
+                          ((tz_linework_node){.at = l->point.v[i], .degree = 2}));
     }
     return s;
 }
@@ -401,13 +401,13 @@ static double length_of(const tz_curve_set *s)
     return length;
 }
 
-tz_status tz_line_field_init(tz_ctx *ctx, const tz_curve_set *s,
-                             const tz_line_scale *scale, tz_line_field *f)
+tz_status tz_linework_field_init(tz_ctx *ctx, const tz_curve_set *s,
+                                 const tz_linework_scale *scale, tz_linework_field *f)
 {
     const tz_curve_join_params join = {.crossings = true, .reach = tz_curve_reach(s)};
     builder b = {.ctx = ctx, .f = f};
     tz_curve_set flat = {0};
-    *f = (tz_line_field){.ctx = ctx, .domain = s->domain, .scale = *scale};
+    *f = (tz_linework_field){.ctx = ctx, .domain = s->domain, .scale = *scale};
     f->domain.torus = false;
     tz_status st = TZ_OK;
     if (s->domain.torus)
@@ -434,20 +434,20 @@ done:
     tz_curve_set_deinit(&b.set);
     tz_curve_set_deinit(&flat);
     if (st != TZ_OK)
-        tz_line_field_deinit(f);
+        tz_linework_field_deinit(f);
     return st;
 }
 
-void tz_line_field_deinit(tz_line_field *f)
+void tz_linework_field_deinit(tz_linework_field *f)
 {
     tz_array_free(f->ctx, &f->chord);
     tz_array_free(f->ctx, &f->edge);
     tz_array_free(f->ctx, &f->node);
     tz_array_free(f->ctx, &f->turn);
-    *f = (tz_line_field){0};
+    *f = (tz_linework_field){0};
 }
 
-tz_line_window tz_line_whole(const tz_line_field *f)
+tz_linework_window tz_linework_whole(const tz_linework_field *f)
 {
-    return (tz_line_window){{0, 0}, {f->domain.size.x, f->domain.size.y}};
+    return (tz_linework_window){{0, 0}, {f->domain.size.x, f->domain.size.y}};
 }

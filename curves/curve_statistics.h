@@ -16,137 +16,141 @@
 #include "curves/curve_compare.h"
 
 enum {
-    TZ_LINE_TURNS = 24,  /**< bins of directions, [0, pi) */
-    TZ_LINE_LAGS = 4,    /**< lengths over which lines turn */
-    TZ_LINE_ANGLES = 32, /**< bins of these angles, by their square root */
-    TZ_LINE_WAYS = 48,   /**< steps of the way to the end of an edge */
-    TZ_LINE_AREAS = 32,  /**< bins of cells' areas, two a doubling */
-    TZ_LINE_SIDE = 2048  /**< most pixels a side of rasters */
+    TZ_LINEWORK_TURNS = 24,  /**< bins of directions, [0, pi) */
+    TZ_LINEWORK_LAGS = 4,    /**< lengths over which lines turn */
+    TZ_LINEWORK_ANGLES = 32, /**< bins of these angles, by their square root */
+    TZ_LINEWORK_WAYS = 48,   /**< steps of the way to the end of an edge */
+    TZ_LINEWORK_AREAS = 32,  /**< bins of cells' areas, two a doubling */
+    TZ_LINEWORK_SIDE = 2048  /**< most pixels a side of rasters */
 };
 
 /** What sets that are compared are measured by. */
-typedef struct tz_line_scale {
+typedef struct tz_linework_scale {
     double unit;  /**< area over length: as far as parallel lines of that density are
                        apart; 1/1000 to 1/8 of the shorter side */
     double way;   /**< ways along edges are looked at up to here */
     double pixel; /**< of rasters */
     double patch; /**< side of patches */
-    double lag[TZ_LINE_LAGS];
-} tz_line_scale;
+    double lag[TZ_LINEWORK_LAGS];
+} tz_linework_scale;
 
-typedef struct tz_line_chord {
+typedef struct tz_linework_chord {
     tz_vec2 p, q;
     float length;
     float angle; /**< [0, pi), against the local frame */
     bool inside; /**< its middle lies in the region */
-} tz_line_chord;
+} tz_linework_chord;
 
 /** Between two nodes of other degree than 2: field.chord[chord .. chord + chords - 1]. */
-typedef struct tz_line_edge {
+typedef struct tz_linework_edge {
     int32_t chord, chords;
     bool ends[2]; /**< it really ends there; else the domain cuts it */
     bool loop;    /**< without any such node */
-} tz_line_edge;
+} tz_linework_edge;
 
-typedef struct tz_line_node {
+typedef struct tz_linework_node {
     tz_vec2 at;
     int32_t degree; /**< 1 .. TZ_CURVE_DEGREES - 1 or more; 2 = corner */
-} tz_line_node;
+} tz_linework_node;
 
 /** By how much a path turns at a place: angle between the ways to the places so far before
  * and behind. */
-typedef struct tz_line_turn {
+typedef struct tz_linework_turn {
     tz_vec2 at;
-    float angle[TZ_LINE_LAGS]; /**< 0 .. pi; NAN = the path is too short */
-} tz_line_turn;
+    float angle[TZ_LINEWORK_LAGS]; /**< 0 .. pi; NAN = the path is too short */
+} tz_linework_turn;
 
-typedef struct tz_line_field {
+typedef struct tz_linework_field {
     tz_ctx *ctx;
     tz_domain domain;
-    tz_line_scale scale;
+    tz_linework_scale scale;
     double length; /**< inside of the domain */
-    TZ_ARRAY(tz_line_chord)
+    TZ_ARRAY(tz_linework_chord)
     chord;
-    TZ_ARRAY(tz_line_edge)
+    TZ_ARRAY(tz_linework_edge)
     edge;
-    TZ_ARRAY(tz_line_node)
+    TZ_ARRAY(tz_linework_node)
     node; /**< inside; what the domain's border cuts is none */
-    TZ_ARRAY(tz_line_turn)
+    TZ_ARRAY(tz_linework_turn)
     turn;
-} tz_line_field;
+} tz_linework_field;
 
 /** Rectangle of a domain. */
-typedef struct tz_line_window {
+typedef struct tz_linework_window {
     tz_vec2 lo, hi;
-} tz_line_window;
+} tz_linework_window;
 
 /** The scale that a set is to be measured by, out of its length and domain. */
-tz_status tz_line_scale_of(tz_ctx *ctx, const tz_curve_set *s, tz_line_scale *out);
+tz_status tz_linework_scale_of(tz_ctx *ctx, const tz_curve_set *s,
+                               tz_linework_scale *out);
 
 /** @param[out] f  overwritten, not freed; zeroed on error
  * @return TZ_OK; TZ_LIMIT, TZ_NOMEM, TZ_CANCELLED (see tz_curve_join) */
-tz_status tz_line_field_init(tz_ctx *ctx, const tz_curve_set *s,
-                             const tz_line_scale *scale, tz_line_field *f);
-void tz_line_field_deinit(tz_line_field *f); /**< takes zeroed */
-tz_line_window tz_line_whole(const tz_line_field *f);
+tz_status tz_linework_field_init(tz_ctx *ctx, const tz_curve_set *s,
+                                 const tz_linework_scale *scale, tz_linework_field *f);
+void tz_linework_field_deinit(tz_linework_field *f); /**< takes zeroed */
+tz_linework_window tz_linework_whole(const tz_linework_field *f);
 
-typedef struct tz_line_statistics {
+typedef struct tz_linework_statistics {
     double area, length;
-    double nodes[TZ_CURVE_DEGREES];               /**< by degree, [0] = degree 1 */
-    double orientation[TZ_LINE_TURNS];            /**< shares of length */
-    double turning[TZ_LINE_LAGS][TZ_LINE_ANGLES]; /**< shares */
+    double nodes[TZ_CURVE_DEGREES];        /**< by degree, [0] = degree 1 */
+    double orientation[TZ_LINEWORK_TURNS]; /**< shares of length */
+    double turning[TZ_LINEWORK_LAGS][TZ_LINEWORK_ANGLES]; /**< shares */
     /** Share of places on lines from which the edge goes on for longer than so many
      * steps, either way; NAN where nothing in the window is long enough to tell.
      * @source Kaplan, Meier 1958; for spatial windows Baddeley, Gill 1997 */
-    double survival[TZ_LINE_WAYS + 1];
-} tz_line_statistics;
+    double survival[TZ_LINEWORK_WAYS + 1];
+} tz_linework_statistics;
 
 /** @cost O(chords + nodes + turns) */
-void tz_line_statistics_of(const tz_line_field *f, tz_line_window w,
-                           tz_line_statistics *out);
+void tz_linework_statistics_of(const tz_linework_field *f, tz_linework_window w,
+                               tz_linework_statistics *out);
 
 /* ---- rasters ------------------------------------------------------------------------ */
 
 /** A cell: room that lines enclose. */
-typedef struct tz_line_cell {
+typedef struct tz_linework_cell {
     double area;
     tz_vec2 lo, hi; /**< box */
     bool cut;       /**< the border of the raster or of the region cuts it */
-} tz_line_cell;
+} tz_linework_cell;
 
-typedef struct tz_line_raster {
+typedef struct tz_linework_raster {
     tz_ctx *ctx;
     int32_t width, height;
     double pixel;
     tz_vec2 origin;  /**< in the domain: corner of pixel 0, 0 */
     float *distance; /**< to the next line, at most scale.unit; user units */
-    TZ_ARRAY(tz_line_cell)
+    TZ_ARRAY(tz_linework_cell)
     cell;
-} tz_line_raster;
+} tz_linework_raster;
 
-/** Of the whole domain; of a domain over TZ_LINE_SIDE pixels the middle. */
-tz_status tz_line_raster_init(const tz_line_field *f, tz_line_raster *r);
-void tz_line_raster_deinit(tz_line_raster *r); /**< takes zeroed */
+/** Of the whole domain; of a domain over TZ_LINEWORK_SIDE pixels the middle. */
+tz_status tz_linework_raster_init(const tz_linework_field *f, tz_linework_raster *r);
+void tz_linework_raster_deinit(tz_linework_raster *r); /**< takes zeroed */
 
 /** Share of the window's area that lies in cells of up to (k + 1) half doublings of area.
  * Cells as wide as 0.7 of `widest` are not looked at; those that the window cuts are made
  * up for by the weight of those that it could have cut.
  * @source Miles 1974, Lantuejoul 1980: area over that of the places where the box fits */
-void tz_line_cells_of(const tz_line_field *f, const tz_line_raster *r, tz_line_window w,
-                      tz_vec2 widest, double share[TZ_LINE_AREAS]);
+void tz_linework_cells_of(const tz_linework_field *f, const tz_linework_raster *r,
+                          tz_linework_window w, tz_vec2 widest,
+                          double share[TZ_LINEWORK_AREAS]);
 
 /** Mean over places of `a` of the root mean square difference between the patch of
  * distances there and the most alike one of `b`, in units of the scale; NAN where no patch
  * fits in. With frames patches are turned. */
-tz_status tz_line_patches(const tz_line_field *fa, const tz_line_raster *a,
-                          tz_line_window wa, const tz_line_field *fb,
-                          const tz_line_raster *b, tz_line_window wb, double *out);
+tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_raster *a,
+                              tz_linework_window wa, const tz_linework_field *fb,
+                              const tz_linework_raster *b, tz_linework_window wb,
+                              double *out);
 
 /* ---- repeats ------------------------------------------------------------------------ */
 
 /** Share of the length of lines that occurs a second time elsewhere, only moved: in a run
  * at least `run` long of one path, to 1 % of that. Straight runs do not count: any line
  * repeats those. Estimated from at most 3,000 runs. */
-tz_status tz_line_repeats(tz_ctx *ctx, const tz_curve_set *s, double run, double *share);
+tz_status tz_linework_repeats(tz_ctx *ctx, const tz_curve_set *s, double run,
+                              double *share);
 
 #endif

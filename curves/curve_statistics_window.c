@@ -15,12 +15,12 @@
 #define LEAST 0.005 /* share of all places that must be left to tell */
 
 typedef struct risk {
-    double step, at[TZ_LINE_WAYS + 1], events[TZ_LINE_WAYS];
+    double step, at[TZ_LINEWORK_WAYS + 1], events[TZ_LINEWORK_WAYS];
 } risk;
 
 static void add_stretch(risk *r, double length, int ends)
 {
-    for (int k = 0; k < TZ_LINE_WAYS && k * r->step < length; k++) {
+    for (int k = 0; k < TZ_LINEWORK_WAYS && k * r->step < length; k++) {
         r->at[k] += 2 * (length - k * r->step);
         r->events[k] += ends * fmin(r->step, length - k * r->step);
     }
@@ -28,19 +28,19 @@ static void add_stretch(risk *r, double length, int ends)
 
 static void add_loop(risk *r, double length)
 {
-    for (int k = 0; k < TZ_LINE_WAYS && k * r->step < length; k++) {
+    for (int k = 0; k < TZ_LINEWORK_WAYS && k * r->step < length; k++) {
         r->at[k] += 2 * length;
         r->events[k] += (k + 1) * r->step >= length ? 2 * length : 0;
     }
 }
 
-static void survive(const risk *r, double out[TZ_LINE_WAYS + 1])
+static void survive(const risk *r, double out[TZ_LINEWORK_WAYS + 1])
 {
     double s = 1;
     bool tells = r->at[0] > 0;
-    for (int k = 0; k <= TZ_LINE_WAYS; k++) {
+    for (int k = 0; k <= TZ_LINEWORK_WAYS; k++) {
         out[k] = tells ? s : NAN;
-        if (k == TZ_LINE_WAYS)
+        if (k == TZ_LINEWORK_WAYS)
             break;
         if (s > 0.01) /* else all have ended: nobody is left to ask, nor needs to be */
             tells &= r->at[k] > LEAST * r->at[0];
@@ -50,7 +50,8 @@ static void survive(const risk *r, double out[TZ_LINE_WAYS + 1])
 }
 
 /* Part [t0, t1] of a chord inside of the window; false = none. */
-static bool clip(const tz_line_chord *c, const tz_line_window *w, double *t0, double *t1)
+static bool clip(const tz_linework_chord *c, const tz_linework_window *w, double *t0,
+                 double *t1)
 {
     const double p[2] = {c->p.x, c->p.y}, q[2] = {c->q.x, c->q.y};
     const double lo[2] = {w->lo.x, w->lo.y}, hi[2] = {w->hi.x, w->hi.y};
@@ -78,13 +79,13 @@ static void add_round(double *bins, int32_t n, double at, double weight)
     bins[(i + 1) % n] += weight * (x - low);
 }
 
-static void walk_edge(const tz_line_field *f, const tz_line_edge *e,
-                      const tz_line_window *w, risk *r, tz_line_statistics *out)
+static void walk_edge(const tz_linework_field *f, const tz_linework_edge *e,
+                      const tz_linework_window *w, risk *r, tz_linework_statistics *out)
 {
     double run = 0; /* of the stretch that is being walked */
     bool open = false, begun = false, whole = true;
     for (int32_t k = e->chord; k < e->chord + e->chords; k++) {
-        const tz_line_chord *c = &f->chord.v[k];
+        const tz_linework_chord *c = &f->chord.v[k];
         double t0, t1;
         if (!clip(c, w, &t0, &t1)) {
             if (open)
@@ -102,7 +103,7 @@ static void walk_edge(const tz_line_field *f, const tz_line_edge *e,
         const double length = (t1 - t0) * (double)c->length;
         run += length;
         out->length += length;
-        add_round(out->orientation, TZ_LINE_TURNS, (double)c->angle / TZ_PI, length);
+        add_round(out->orientation, TZ_LINEWORK_TURNS, (double)c->angle / TZ_PI, length);
         whole &= t0 == 0 && t1 == 1;
         if (t1 < 1)
             add_stretch(r, run, begun), open = false;
@@ -115,7 +116,7 @@ static void walk_edge(const tz_line_field *f, const tz_line_edge *e,
         add_stretch(r, run, begun + (e->ends[1] && !e->loop));
 }
 
-static bool within(const tz_line_window *w, tz_vec2 p)
+static bool within(const tz_linework_window *w, tz_vec2 p)
 {
     return p.x >= w->lo.x && p.y >= w->lo.y && p.x < w->hi.x && p.y < w->hi.y;
 }
@@ -129,27 +130,28 @@ static void normalise(double *v, int32_t n)
         v[k] /= sum;
 }
 
-static void count_turns(const tz_line_field *f, const tz_line_window *w,
-                        tz_line_statistics *out)
+static void count_turns(const tz_linework_field *f, const tz_linework_window *w,
+                        tz_linework_statistics *out)
 {
     for (int32_t i = 0; i < f->turn.n; i++) {
-        const tz_line_turn *t = &f->turn.v[i];
+        const tz_linework_turn *t = &f->turn.v[i];
         if (!within(w, t->at))
             continue;
-        for (int k = 0; k < TZ_LINE_LAGS; k++) {
+        for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
             if (isnan(t->angle[k]))
                 continue;
-            const double x = sqrt((double)t->angle[k] / TZ_PI) * (TZ_LINE_ANGLES - 1);
-            const int32_t b = x < TZ_LINE_ANGLES - 2 ? (int32_t)x : TZ_LINE_ANGLES - 2;
+            const double x = sqrt((double)t->angle[k] / TZ_PI) * (TZ_LINEWORK_ANGLES - 1);
+            const int32_t b =
+                x < TZ_LINEWORK_ANGLES - 2 ? (int32_t)x : TZ_LINEWORK_ANGLES - 2;
             out->turning[k][b] += 1 - (x - b);
             out->turning[k][b + 1] += x - b;
         }
     }
-    for (int k = 0; k < TZ_LINE_LAGS; k++)
-        normalise(out->turning[k], TZ_LINE_ANGLES);
+    for (int k = 0; k < TZ_LINEWORK_LAGS; k++)
+        normalise(out->turning[k], TZ_LINEWORK_ANGLES);
 }
 
-static double area_of(const tz_line_field *f, const tz_line_window *w)
+static double area_of(const tz_linework_field *f, const tz_linework_window *w)
 {
     const double x = w->hi.x - w->lo.x, y = w->hi.y - w->lo.y;
     const int32_t n = 128;
@@ -167,15 +169,15 @@ static double area_of(const tz_line_field *f, const tz_line_window *w)
     return x * y * inside / (n * n);
 }
 
-void tz_line_statistics_of(const tz_line_field *f, tz_line_window w,
-                           tz_line_statistics *out)
+void tz_linework_statistics_of(const tz_linework_field *f, tz_linework_window w,
+                               tz_linework_statistics *out)
 {
-    risk r = {.step = f->scale.way / TZ_LINE_WAYS};
-    *out = (tz_line_statistics){.area = area_of(f, &w)};
+    risk r = {.step = f->scale.way / TZ_LINEWORK_WAYS};
+    *out = (tz_linework_statistics){.area = area_of(f, &w)};
     for (int32_t i = 0; i < f->edge.n; i++)
         walk_edge(f, &f->edge.v[i], &w, &r, out);
     survive(&r, out->survival);
-    normalise(out->orientation, TZ_LINE_TURNS);
+    normalise(out->orientation, TZ_LINEWORK_TURNS);
     for (int32_t i = 0; i < f->node.n; i++) {
         const int32_t d = f->node.v[i].degree;
         if (within(&w, f->node.v[i].at))
