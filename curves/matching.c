@@ -92,6 +92,7 @@ static double edge_distance(const void *a, int32_t i, const void *b, int32_t j)
     return tz_vec2_length(d);
 }
 
+/* Turned back by the frame where there are frames. */
 static int32_t edge_vectors(const tz_sample_graph *g, int32_t s, tz_vec2 *out)
 {
     const tz_curve_sample *p = &g->sample.v[s];
@@ -101,6 +102,13 @@ static int32_t edge_vectors(const tz_sample_graph *g, int32_t s, tz_vec2 *out)
         const tz_vec3 v = tz_domain_vector(&g->domain, (tz_vec3){p->at.x, p->at.y, 0},
                                            (tz_vec3){q.x, q.y, 0});
         out[i] = (tz_vec2){v.x, v.y};
+    }
+    if (n > 0 && g->domain.frames) {
+        const double a = tz_domain_frame(&g->domain, (tz_vec3){p->at.x, p->at.y, 0});
+        const double c = cos(a), sine = sin(a);
+        for (int32_t i = 0; i < n; i++)
+            out[i] =
+                (tz_vec2){c * out[i].x + sine * out[i].y, c * out[i].y - sine * out[i].x};
     }
     return n;
 }
@@ -259,15 +267,124 @@ tz_match_params tz_match_params_default(void)
     return (tz_match_params){.gamma = 0.5, .more = 1.25};
 }
 
+/* Edges of all samples as vectors, turned back by the frame: item link + k is the k-th. */
+typedef struct edge_table {
+    tz_matcher *m;
+    float *ox, *oy, *ix, *iy;
+} edge_table;
+
+static tz_status flatten_edges(tz_ctx *ctx, const tz_sample_graph *g, float **x,
+                               float **y)
+{
+    const size_t n = (size_t)g->link.n;
+    tz_status s = tz_alloc(ctx, x, n, sizeof **x);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, y, n, sizeof **y);
+    for (int32_t i = 0; i < g->sample.n && s == TZ_OK; i++) {
+        const tz_curve_sample *p = &g->sample.v[i];
+        tz_vec2 v[TZ_ASSIGN_MOST];
+        const int32_t few = edge_vectors(g, i, v);
+        for (int32_t k = 0; k < few; k++) {
+            (*x)[p->link + k] = (float)v[k].x;
+            (*y)[p->link + k] = (float)v[k].y;
+        }
+    }
+    return s;
+}
+
+/* Least sum of n <= m <= 3 rows to columns; a row is an edge of the side that has fewer. */
+static float try_few(const float *ax, const float *ay, int32_t n, const float *bx,
+                     const float *by, int32_t m)
+{
+    float d[3][3] = {{0}}, best = INFINITY;
+    for (int32_t i = 0; i < n; i++)
+        for (int32_t j = 0; j < m; j++) {
+            const float dx = ax[i] - bx[j], dy = ay[i] - by[j];
+            d[i][j] = sqrtf(dx * dx + dy * dy);
+        }
+    for (int32_t i = 0; i < m; i++) {
+        if (n == 1) {
+            best = d[0][i] < best ? d[0][i] : best;
+            continue;
+        }
+        for (int32_t j = 0; j < m; j++) {
+            if (i == j)
+                continue;
+            const float two = d[0][i] + d[1][j];
+            const float sum = n == 2 ? two : two + d[2][3 - i - j];
+            best = sum < best ? sum : best;
+        }
+    }
+    return best;
+}
+
+/* Eq. (5) of few edges, as tz_match_edges has it. */
+static float edges_few(const edge_table *t, const tz_curve_sample *p,
+                       const tz_curve_sample *q, float beta)
+{
+    const float *px = t->ox + p->link, *py = t->oy + p->link;
+    const float *qx = t->ix + q->link, *qy = t->iy + q->link;
+    const int32_t n = p->links, m = q->links;
+    if (n == 0 || m == 0)
+        return n == 0 ? 0 : beta * (float)n;
+    return n <= m ? try_few(px, py, n, qx, qy, m) + beta * (float)(m - n)
+                  : try_few(qx, qy, m, px, py, n) + beta * (float)(n - m);
+}
+
 static tz_status fill_edges(tz_ctx *ctx, void *arg, int64_t row, int worker)
 {
-    const tz_matcher *m = arg;
+    const edge_table *t = arg;
+    const tz_matcher *m = t->m;
+    const tz_curve_sample *p = &m->o->sample.v[row];
     float *out = m->edges + (size_t)row * (size_t)m->i->sample.n;
+    const float beta = (float)m->i->spacing, gamma = (float)m->params.gamma;
     (void)ctx, (void)worker;
-    for (int32_t j = 0; j < m->i->sample.n; j++)
-        out[j] = (float)(m->params.gamma * tz_match_edges(m->o, (int32_t)row, m->i, j,
-                                                          m->i->spacing, NULL));
+    for (int32_t j = 0; j < m->i->sample.n; j++) {
+        const tz_curve_sample *q = &m->i->sample.v[j];
+        float e =
+            p->links <= 3 && q->links <= 3
+                ? edges_few(t, p, q, beta)
+                : (float)tz_match_edges(m->o, (int32_t)row, m->i, j, m->i->spacing, NULL);
+        if (m->params.cut && m->params.cut[j] && p->links > q->links)
+            e -= beta * (float)(p->links - q->links);
+        out[j] = gamma * e;
+    }
     return TZ_OK;
+}
+
+static tz_status make_table(tz_ctx *ctx, tz_matcher *m)
+{
+    const size_t pairs = (size_t)m->o->sample.n * (size_t)m->i->sample.n;
+    edge_table t = {.m = m};
+    if (pairs * sizeof *m->edges > TABLE_MOST)
+        return TZ_OK;
+    tz_status s = flatten_edges(ctx, m->o, &t.ox, &t.oy);
+    if (s == TZ_OK)
+        s = flatten_edges(ctx, m->i, &t.ix, &t.iy);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &m->edges, pairs, sizeof *m->edges);
+    if (s == TZ_OK)
+        s = tz_parallel_for(ctx, m->o->sample.n, fill_edges, &t);
+    tz_free(ctx, t.ox);
+    tz_free(ctx, t.oy);
+    tz_free(ctx, t.ix);
+    tz_free(ctx, t.iy);
+    return s;
+}
+
+/* Offsets into the frames of their centres. */
+static void turn_hoods(const tz_sample_graph *g, tz_match_hoods *h)
+{
+    for (int32_t i = 0; i < h->n && g->domain.frames; i++) {
+        const tz_vec2 p = g->sample.v[i].at;
+        const double a = tz_domain_frame(&g->domain, (tz_vec3){p.x, p.y, 0});
+        const float c = (float)cos(a), s = (float)sin(a);
+        for (int32_t k = h->first[i]; k < h->first[i + 1]; k++) {
+            const float x = h->x[k], y = h->y[k];
+            h->x[k] = c * x + s * y;
+            h->y[k] = c * y - s * x;
+        }
+    }
 }
 
 /* Mean distance of the exemplar's element samples to their nearest. */
@@ -300,7 +417,8 @@ static tz_status fill_exits(tz_matcher *m)
         const double c = p->q == TZ_SAMPLE_CURVE
                              ? fmin(2, 1.2 + 0.4 * p->links) * m->i->spacing
                              : 1.5 * apart;
-        m->exit[k] = p->fixed ? INFINITY : (float)c;
+        const double hard = 8 * m->i->radius; /* more than any match */
+        m->exit[k] = p->fixed ? INFINITY : (float)(m->params.hard ? hard : c);
         m->mixed = m->mixed || p->q != TZ_SAMPLE_CURVE;
     }
     for (int32_t k = 0; k < m->i->sample.n; k++)
@@ -324,7 +442,6 @@ tz_status tz_matcher_init(tz_ctx *ctx, const tz_sample_graph *o, const tz_sample
                       .o = o,
                       .i = i,
                       .params = params ? *params : tz_match_params_default()};
-    const size_t pairs = (size_t)o->sample.n * (size_t)i->sample.n;
     memset(m, 0, sizeof *m);
     if (i->sample.n == 0)
         return tz_fail(ctx, TZ_INVALID, "the exemplar has no samples to match with");
@@ -333,10 +450,9 @@ tz_status tz_matcher_init(tz_ctx *ctx, const tz_sample_graph *o, const tz_sample
         s = tz_match_hoods_make(ctx, i, i->radius * out.params.more, &out.hi);
     if (s == TZ_OK)
         s = fill_exits(&out);
-    if (s == TZ_OK && pairs * sizeof *out.edges <= TABLE_MOST) {
-        s = tz_alloc(ctx, &out.edges, pairs, sizeof *out.edges);
-        if (s == TZ_OK)
-            s = tz_parallel_for(ctx, o->sample.n, fill_edges, &out);
+    if (s == TZ_OK) {
+        turn_hoods(o, &out.ho);
+        s = make_table(ctx, &out);
     }
     if (s == TZ_OK)
         *m = out;
@@ -351,8 +467,11 @@ static float attribute_cost(const tz_matcher *m, int32_t so, int32_t si)
 {
     if (m->edges)
         return m->edges[(size_t)so * (size_t)m->i->sample.n + (size_t)si];
-    return (float)(m->params.gamma *
-                   tz_match_edges(m->o, so, m->i, si, m->i->spacing, NULL));
+    double e = tz_match_edges(m->o, so, m->i, si, m->i->spacing, NULL);
+    const int32_t more = m->o->sample.v[so].links - m->i->sample.v[si].links;
+    if (m->params.cut && m->params.cut[si] && more > 0)
+        e -= m->i->spacing * more;
+    return (float)(m->params.gamma * e);
 }
 
 /* Costs of one row and the least of them. */

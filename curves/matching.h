@@ -50,18 +50,23 @@ TZ_API tz_status tz_match_hoods_make(tz_ctx *ctx, const tz_sample_graph *g, doub
 TZ_API void tz_match_hoods_deinit(tz_match_hoods *h); /**< takes zeroed */
 
 typedef struct tz_match_params {
-    double gamma; /**< weight of attributes beside positions */
+    double gamma; /**< weight of attributes beside positions; 0: edges do not count */
     double more;  /**< the exemplar's neighbourhoods reach this much farther, so that what
                        lies at the rim of the output's finds its partner */
+    bool hard; /**< every sample must match as long as there are partners: staying alone
+                       costs more than any match ([Tu20] Fig. 6a) */
+    const bool *cut; /**< NULL, or per sample of the exemplar: it has more edges than are
+                          seen, as its border cuts them: a lack of edges costs nothing */
 } tz_match_params;
-TZ_API tz_match_params tz_match_params_default(void); /**< 0.5, 1.25 */
+TZ_API tz_match_params tz_match_params_default(void); /**< 0.5, 1.25, soft, NULL */
 
 /** What all matches between two graphs share. Borrowed graphs must not change under it.
- * */
+ * Where the output's domain has frames, its neighbourhoods are turned back by the frame at
+ * their centre, and its edges by the frame at their sample. */
 typedef struct tz_matcher {
     const tz_sample_graph *o, *i;
     tz_match_params params;
-    tz_match_hoods ho, hi; /**< neighbourhoods */
+    tz_match_hoods ho, hi; /**< neighbourhoods; ho's offsets as they are matched */
     float *exit;           /**< per output sample: cost of staying alone, c */
     float *edges; /**< gamma * Eq. (5) of all pairs, rows are output samples; NULL
                                 where that would be over 256 MiB */
