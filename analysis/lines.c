@@ -2,12 +2,11 @@
 #include "analysis/lines.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "analysis/lines_fit.h"
 #include "analysis/lines_graph.h"
+#include "analysis/lines_judge.h"
+#include "analysis/lines_plate.h"
 
 #define AT(m) offsetof(tz_lines_params, m)
 static const tz_param rows[] = {
@@ -30,9 +29,25 @@ static const tz_param rows[] = {
      "The photo is halved until it has no more pixels than this."},
 };
 #undef AT
-const tz_param_table tz_lines_param_table = {
-    "lines", "Finds the lines of a photo.", rows, (int32_t)(sizeof rows / sizeof *rows),
-    sizeof(tz_lines_params)};
+const tz_param_table tz_lines_param_table = {"lines", "Finds the lines of a photo.", rows,
+                                             (int32_t)(sizeof rows / sizeof *rows),
+                                             sizeof(tz_lines_params)};
+
+#define AREA   0.5  /* of the strength of lines: what they run through */
+#define PROOF  12   /* px of a line as strong again as it must be */
+#define LENGTH 8    /* shortest line, px */
+#define EDGE   10   /* edges weaker than that are nothing, of 100 */
+#define SURE   1.25 /* one tone has this much more proof than the other: it is alone */
+
+/* One kind of lines. */
+typedef struct track {
+    tz_line_field field;
+    tz_line_graph g;
+    tz_line_tidy tidy;
+    double proof;
+} track;
+
+enum { DARK, LIGHT, EDGES, TRACKS };
 
 typedef struct search {
     tz_ctx *ctx;
@@ -41,8 +56,8 @@ typedef struct search {
     tz_line_picture picture;
     double side; /* px of the photo a px of the picture */
     float *grey;
-    tz_line_field ridge[2], edge;
-    tz_line_graph g;
+    track track[TRACKS];
+    tz_line_graph g; /* all */
 } search;
 
 static tz_status look(search *f)
@@ -64,65 +79,118 @@ static tz_status look(search *f)
     return s;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const float p = *(const float *)a, q = *(const float *)b;
-    return (p > q) - (p < q);
-}
+/* ---- one kind of lines --------------------------------------------------------------- */
 
-/* Quantiles of the strength over the thinned ridges. */
-static tz_status quantiles(search *f, const tz_line_field *r, const double *at, int n,
-                           double *out)
+/* The lines of a field, as they run: nothing is joined yet. */
+static tz_status follow(search *f, track *t)
 {
-    const tz_edge_map *m = &r->map;
-    const ptrdiff_t all = (ptrdiff_t)m->width * m->height;
-    float *v = NULL;
-    ptrdiff_t count = 0;
-    tz_status s = tz_alloc(f->ctx, &v, (size_t)all, sizeof *v);
-    for (ptrdiff_t i = 0; i < all && s == TZ_OK; i++)
-        if (m->on[i])
-            v[count++] = m->response[i];
+    const ptrdiff_t n = (ptrdiff_t)t->field.map.width * t->field.map.height;
+    const double side = f->side, length = f->p->length > 0 ? f->p->length / side : LENGTH;
+    tz_status s = tz_edge_map_detect(&t->field.map, 0, t->field.edge ? EDGE : 1);
+    if (s != TZ_OK)
+        return s;
+    t->tidy.low = tz_line_part(&t->field) * exp2(4 * (f->p->strength - 0.5));
+    t->tidy.length = length;
+    t->tidy.proof = PROOF * t->tidy.low;
+    for (ptrdiff_t i = 0; i < n; i++)
+        t->field.map.on[i] = t->field.map.response[i] >= AREA * t->tidy.low;
+    s = tz_edge_map_thin(&t->field.map);
     if (s == TZ_OK)
-        qsort(v, (size_t)count, sizeof *v, by_size);
-    for (int k = 0; k < n && s == TZ_OK; k++)
-        out[k] = count ? v[(ptrdiff_t)(at[k] * (double)(count - 1))] : 0;
-    tz_free(f->ctx, v);
+        s = tz_line_graph_trace(&t->field, &t->g);
+    if (s == TZ_OK)
+        s = tz_line_graph_rejoin(&t->g);
+    if (s == TZ_OK)
+        s = tz_line_graph_select(&t->g, &t->tidy);
+    t->proof = 0;
+    for (int32_t i = 0; i < t->g.chain.n && s == TZ_OK; i++)
+        t->proof += tz_line_chain_proof(&t->g, &t->g.chain.v[i], t->tidy.low);
     return s;
 }
 
-static tz_status ridges(search *f)
+static double mean_width(const tz_line_graph *g)
+{
+    double sum = 0, length = 0;
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        sum += g->chain.v[i].length * g->chain.v[i].width;
+        length += g->chain.v[i].length;
+    }
+    return length > 0 ? sum / length : 0;
+}
+
+static tz_status complete(search *f, track *t)
+{
+    const double gap = f->p->gap / f->side;
+    t->tidy.gap = gap > 0 ? gap : gap < 0 ? 0 : fmin(fmax(3 * mean_width(&t->g), 10), 40);
+    tz_status s = tz_line_graph_bridge(&t->g, &t->field, &t->tidy);
+    if (s == TZ_OK)
+        s = tz_line_graph_mend(&t->g);
+    if (s == TZ_OK)
+        s = tz_line_graph_smooth(&t->g, 1);
+    if (s == TZ_OK && !t->field.edge)
+        s = tz_line_graph_measure(&t->g, f->grey);
+    if (s == TZ_OK)
+        s = tz_line_graph_smooth(&t->g, 1.2);
+    return s == TZ_OK ? tz_line_graph_append(&f->g, &t->g) : s;
+}
+
+/* ---- which kinds --------------------------------------------------------------------- */
+
+static tz_status ridges(search *f, tz_lines_verdict *v)
 {
     const int32_t w = f->picture.width, h = f->picture.height;
     double width[2] = {f->p->width[0] / f->side, f->p->width[1] / f->side};
+    tz_line_field field[2];
     if (!(width[1] > 0)) {
         width[0] = 2;
         width[1] = fmin(16, fmax(4, fmin(w, h) / 32.0));
     }
-    tz_status s = tz_line_ridges(f->ctx, f->grey, w, h, width, f->ridge);
+    tz_status s = tz_line_ridges(f->ctx, f->grey, w, h, width, field);
+    if (s != TZ_OK)
+        return s;
+    for (int k = 0; k < 2; k++)
+        f->track[k].field = field[k];
     for (int k = 0; k < 2 && s == TZ_OK; k++)
-        s = tz_edge_map_detect(&f->ridge[k].map, 0, 1);
+        if (f->p->tone == 0 || f->p->tone == 3 || f->p->tone == k + 1)
+            s = follow(f, &f->track[k]);
+    const double dark = f->track[DARK].proof, light = f->track[LIGHT].proof;
+    v->tone = f->p->tone            ? f->p->tone
+              : dark > SURE * light ? 1
+              : light > SURE * dark ? 2
+                                    : 3;
+    for (int k = 0; k < 2 && s == TZ_OK; k++)
+        if (v->tone & (k + 1))
+            s = complete(f, &f->track[k]);
     return s;
 }
 
-static tz_status graph(search *f, const tz_line_field *r)
+/* Borders, but for what is a ridge already. */
+static tz_status edges(search *f)
 {
-    const double at[4] = {0.25, 0.5, 0.75, 0.95};
-    double q[4] = {0};
-    tz_status s = quantiles(f, r, at, 4, q);
-    tz_line_tidy t = {.low = 1.5 * q[1] * exp2(4 * (f->p->strength - 0.5)), .length = 8, .gap = 12};
-    t.proof = 12 * t.low;
-    if (getenv("TZ_LINES_DEBUG"))
-        fprintf(stderr, "light %d q %.2f %.2f %.2f %.2f low %.2f\n", r->light, q[0], q[1], q[2], q[3], t.low);
+    track *t = &f->track[EDGES];
+    const int32_t w = f->picture.width, h = f->picture.height;
+    const ptrdiff_t n = (ptrdiff_t)w * h;
+    tz_image small = {0};
+    uint8_t *taken = NULL;
+    tz_status s = tz_image_init(f->ctx, &small, w, h, f->picture.channels);
     if (s == TZ_OK)
-        s = tz_line_graph_trace(r, &f->g);
+        s = tz_alloc_zero(f->ctx, &taken, (size_t)n, 1);
+    for (ptrdiff_t p = 0; p < n && s == TZ_OK; p++)
+        for (int32_t c = 0; c < f->picture.channels; c++)
+            small.px[p * f->picture.channels + c] = 0.01F * f->picture.v[c * n + p];
+    small.encoding = TZ_ENCODING_SRGB;
     if (s == TZ_OK)
-        s = tz_line_graph_rejoin(&f->g);
+        s = tz_line_edges(f->ctx, &small, "", &t->field);
     if (s == TZ_OK)
-        s = tz_line_graph_select(&f->g, &t);
+        tz_line_graph_cover(&f->g, 1, 3, w, h, taken);
+    for (ptrdiff_t p = 0; p < n && s == TZ_OK; p++)
+        if (taken[p])
+            t->field.map.response[p] = 0;
     if (s == TZ_OK)
-        s = tz_line_graph_mend(&f->g);
+        s = follow(f, t);
     if (s == TZ_OK)
-        s = tz_line_graph_smooth(&f->g, 1.2);
+        s = complete(f, t);
+    tz_image_deinit(&small);
+    tz_free(f->ctx, taken);
     return s;
 }
 
@@ -138,37 +206,54 @@ static tz_status open_set(search *f, tz_curve_set *out)
     return s;
 }
 
+static tz_status check(tz_ctx *ctx, const tz_image *photo)
+{
+    if (photo->encoding != TZ_ENCODING_DATA && photo->channels >= 1 &&
+        photo->channels <= 4 && photo->width >= 1 && photo->height >= 1)
+        return TZ_OK;
+    return tz_fail(ctx, TZ_INVALID,
+                   "lines are found in photos of 1 to 4 channels that show colours; this "
+                   "is %d x %d of %d channels",
+                   photo->width, photo->height, photo->channels);
+}
+
 tz_status tz_lines_find(tz_ctx *ctx, const tz_image *photo, const tz_lines_params *params,
                         tz_curve_set *out, tz_image *plate, tz_lines_verdict *verdict)
 {
     search f = {.ctx = ctx, .photo = photo, .p = params, .g = {.ctx = ctx}};
+    tz_lines_verdict v = {.line = params->line};
     *out = (tz_curve_set){0};
     if (plate)
         *plate = (tz_image){0};
     if (verdict)
         *verdict = (tz_lines_verdict){0};
-    if (photo->encoding == TZ_ENCODING_DATA || photo->channels < 1 ||
-        photo->channels > 4 || photo->width < 1 || photo->height < 1)
-        return tz_fail(ctx, TZ_INVALID,
-                       "lines are found in photos of 1 to 4 channels that show colours; "
-                       "this is %d x %d of %d channels",
-                       photo->width, photo->height, photo->channels);
-    tz_status s = look(&f);
+    for (int k = 0; k < TRACKS; k++)
+        f.track[k].g.ctx = ctx;
+    tz_status s = check(ctx, photo);
     if (s == TZ_OK)
-        s = ridges(&f);
-    if (s == TZ_OK && params->tone != 2)
-        s = graph(&f, &f.ridge[0]);
-    if (s == TZ_OK && params->tone == 2)
-        s = graph(&f, &f.ridge[1]);
+        s = look(&f);
+    if (s == TZ_OK && v.line == TZ_LINE_AUTO)
+        v.line = TZ_LINE_RIDGE;
+    if (s == TZ_OK && v.line != TZ_LINE_EDGE)
+        s = ridges(&f, &v);
+    if (s == TZ_OK && v.line != TZ_LINE_RIDGE)
+        s = edges(&f);
+    if (s == TZ_OK)
+        s = tz_line_judge(&f.g, &f.picture, f.grey, f.side, &v);
     if (s == TZ_OK)
         s = open_set(&f, out);
     if (s == TZ_OK)
         s = tz_line_fit(&f.g, &f.picture, f.side, params->error, out);
+    if (s == TZ_OK && plate)
+        s = tz_line_plate(ctx, photo, &f.g, f.side, plate);
+    if (s == TZ_OK && verdict)
+        *verdict = v;
     tz_line_picture_deinit(&f.picture);
     tz_free(ctx, f.grey);
-    for (int k = 0; k < 2; k++)
-        tz_line_field_deinit(ctx, &f.ridge[k]);
-    tz_line_field_deinit(ctx, &f.edge);
+    for (int k = 0; k < TRACKS; k++) {
+        tz_line_field_deinit(ctx, &f.track[k].field);
+        tz_line_graph_deinit(&f.track[k].g);
+    }
     tz_line_graph_deinit(&f.g);
     if (s != TZ_OK)
         tz_curve_set_deinit(out);

@@ -23,6 +23,8 @@ typedef struct tz_line_field {
     bool edge;     /**< borders, not ridges */
 } tz_line_field;
 
+/** Nothing anywhere. */
+tz_status tz_line_field_init(tz_ctx *ctx, tz_line_field *f, int32_t w, int32_t h);
 void tz_line_field_deinit(tz_ctx *ctx, tz_line_field *f); /**< takes zeroed */
 
 /** The photo as the search for lines sees it: planes R, G, B (one of a grey photo),

@@ -9,10 +9,10 @@
 
 #include "curves/curve_fit_internal.h"
 
-#define PENS      6
-#define NEAR_PEN  16.0 /* colours apart, of 100, an octave of width counting as much */
-#define STRAIGHT  0.85 /* cosine of the bend at which lines run on */
-#define LEAST     0.25 /* width of a line, px */
+#define PENS     6
+#define NEAR_PEN 16.0 /* colours apart, of 100, an octave of width counting as much */
+#define STRAIGHT 0.85 /* cosine of the bend at which lines run on */
+#define LEAST    0.25 /* width of a line, px */
 
 typedef struct look {
     double v[4]; /* red, green, blue 0 .. 100; log2 width */
@@ -22,7 +22,7 @@ typedef struct fitting {
     const tz_line_graph *g;
     tz_curve_set *to;
     double side, error;
-    look *of; /* chains */
+    look *of;            /* chains */
     int32_t *pen, *next; /* of a chain; of an end: the end that it runs on into, or -1 */
     int32_t *node;       /* of to */
     uint8_t *seen;
@@ -136,9 +136,8 @@ static tz_vec2 leaves(const tz_line_graph *g, int32_t end)
     const tz_vec2 from = tz_line_chain_point(g, c, end & 1, 0)->at;
     const double far = fmax(4, 1.5 * c->width);
     int32_t i = 1;
-    while (i < c->n - 1 &&
-           tz_vec2_length(tz_vec2_sub(tz_line_chain_point(g, c, end & 1, i)->at, from)) <
-               far)
+    while (i < c->n - 1 && tz_vec2_length(tz_vec2_sub(
+                               tz_line_chain_point(g, c, end & 1, i)->at, from)) < far)
         i++;
     const tz_vec2 d = tz_vec2_sub(tz_line_chain_point(g, c, end & 1, i)->at, from);
     const double n = tz_vec2_length(d);
@@ -158,8 +157,7 @@ static void pair_up(fitting *f, int32_t node)
                 if (f->next[e[i]] >= 0 || f->next[e[k]] >= 0 ||
                     f->pen[e[i] >> 1] != f->pen[e[k] >> 1])
                     continue;
-                const double cosine =
-                    tz_vec2_dot(leaves(f->g, e[i]), leaves(f->g, e[k]));
+                const double cosine = tz_vec2_dot(leaves(f->g, e[i]), leaves(f->g, e[k]));
                 if (cosine < best) {
                     best = cosine;
                     a = e[i];
@@ -249,8 +247,8 @@ static tz_status add_path(fitting *f, int32_t start)
     return s;
 }
 
-tz_status tz_line_fit(const tz_line_graph *g, const tz_line_picture *picture,
-                      double side, double error, tz_curve_set *to)
+tz_status tz_line_fit(const tz_line_graph *g, const tz_line_picture *picture, double side,
+                      double error, tz_curve_set *to)
 {
     fitting f = {.g = g, .to = to, .side = side, .error = error};
     const size_t chains = (size_t)g->chain.n;

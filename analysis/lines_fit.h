@@ -12,7 +12,7 @@
  * @param side   px of the photo a px of the picture
  * @param error  of the cubics, px of the photo
  * @param to     with a domain, without paths */
-tz_status tz_line_fit(const tz_line_graph *g, const tz_line_picture *picture,
-                      double side, double error, tz_curve_set *to);
+tz_status tz_line_fit(const tz_line_graph *g, const tz_line_picture *picture, double side,
+                      double error, tz_curve_set *to);
 
 #endif

@@ -61,8 +61,11 @@ static tz_status append(rejoin *r, int32_t end, tz_line_chain *c)
     const tz_line_chain *old = &r->from->chain.v[end >> 1];
     tz_status s = TZ_OK;
     for (int32_t i = c->n > 0; i < old->n && s == TZ_OK; i++) {
-        s = tz_array_push(r->to.ctx, &r->to.point,
-                          *tz_line_chain_point(r->from, old, end & 1, i));
+        const tz_line_point p = *tz_line_chain_point(r->from, old, end & 1, i);
+        const tz_line_point *last = c->n ? &r->to.point.v[r->to.point.n - 1] : NULL;
+        if (last && last->at.x == p.at.x && last->at.y == p.at.y)
+            continue;
+        s = tz_array_push(r->to.ctx, &r->to.point, p);
         c->n += s == TZ_OK;
     }
     return s;
@@ -88,6 +91,14 @@ static tz_status walk(rejoin *r, int32_t end)
     if (c.node[0] >= 0 && c.node[0] == c.node[1] &&
         tz_line_degree(&r->ends, c.node[0]) == 2)
         c.node[0] = c.node[1] = -1; /* closed upon itself */
+    if (c.n < 2 && (c.node[0] < 0 || c.node[0] == c.node[1]))
+        return TZ_OK; /* a point */
+    if (c.n < 2) {    /* joins two nodes in one place */
+        s = tz_array_push(r->to.ctx, &r->to.point, r->to.point.v[c.first]);
+        c.n = 2;
+        if (s != TZ_OK)
+            return s;
+    }
     tz_line_chain_measure(&r->to, &c);
     return tz_array_push(r->to.ctx, &r->to.chain, c);
 }
@@ -116,8 +127,7 @@ static tz_status keep_nodes(rejoin *r)
 
 tz_status tz_line_graph_rejoin(tz_line_graph *g)
 {
-    rejoin r = {.from = g,
-                .to = {.width = g->width, .height = g->height, .ctx = g->ctx}};
+    rejoin r = {.from = g, .to = {.width = g->width, .height = g->height, .ctx = g->ctx}};
     tz_status s = tz_line_ends_init(g, &r.ends);
     if (s == TZ_OK)
         s = tz_alloc_zero(g->ctx, &r.seen, (size_t)g->chain.n, 1);
@@ -138,6 +148,26 @@ tz_status tz_line_graph_rejoin(tz_line_graph *g)
         *g = r.to;
     } else {
         tz_line_graph_deinit(&r.to);
+    }
+    return s;
+}
+
+tz_status tz_line_graph_append(tz_line_graph *to, const tz_line_graph *from)
+{
+    const int32_t node = to->node.n, point = to->point.n;
+    tz_status s = TZ_OK;
+    to->width = from->width;
+    to->height = from->height;
+    for (int32_t i = 0; i < from->node.n && s == TZ_OK; i++)
+        s = tz_array_push(to->ctx, &to->node, from->node.v[i]);
+    for (int32_t i = 0; i < from->point.n && s == TZ_OK; i++)
+        s = tz_array_push(to->ctx, &to->point, from->point.v[i]);
+    for (int32_t i = 0; i < from->chain.n && s == TZ_OK; i++) {
+        tz_line_chain c = from->chain.v[i];
+        c.first += point;
+        for (int k = 0; k < 2; k++)
+            c.node[k] += c.node[k] >= 0 ? node : 0;
+        s = tz_array_push(to->ctx, &to->chain, c);
     }
     return s;
 }

@@ -43,9 +43,8 @@ tz_status tz_line_graph_trace(const tz_line_field *f, tz_line_graph *g);
 void tz_line_chain_measure(const tz_line_graph *g, tz_line_chain *c);
 
 /** Point i of a chain as seen from its end 0 or 1. */
-static inline tz_line_point *tz_line_chain_point(const tz_line_graph *g,
-                                                 const tz_line_chain *c, int end,
-                                                 int32_t i)
+static inline tz_line_point *
+tz_line_chain_point(const tz_line_graph *g, const tz_line_chain *c, int end, int32_t i)
 {
     return &g->point.v[c->first + (end ? c->n - 1 - i : i)];
 }
@@ -66,13 +65,22 @@ static inline int32_t tz_line_degree(const tz_line_ends *e, int32_t node)
  * dropped. Chains of different kinds (light, edge) stay apart. */
 tz_status tz_line_graph_rejoin(tz_line_graph *g);
 
+/** Adds the chains of another graph of the same picture. */
+tz_status tz_line_graph_append(tz_line_graph *to, const tz_line_graph *from);
+
 /** How a graph is tidied; lengths in px. */
 typedef struct tz_line_tidy {
-    double low;   /**< strength that lines exceed on the whole */
-    double proof; /**< excess over `low`, summed along it, that a chain needs, px * unit */
+    double low; /**< strength that lines exceed on the whole */
+    double
+        proof; /**< excess over `low`, summed along it, that a chain needs, px * unit */
     double length; /**< shortest spur and component */
     double gap;    /**< widest that is bridged; 0 = none */
 } tz_line_tidy;
+
+/** Strength that lines exceed, of a field whose ridges are marked. */
+double tz_line_part(const tz_line_field *f);
+/** Proof that a chain is a line (lines_select.c). */
+double tz_line_chain_proof(const tz_line_graph *g, const tz_line_chain *c, double low);
 
 /** Drops chains that are no lines: their excess over `low` is under `proof`, unless they
  * join two that are; then spurs and small components. */
@@ -86,6 +94,16 @@ tz_status tz_line_graph_mend(tz_line_graph *g);
  * with that. */
 tz_status tz_line_graph_bridge(tz_line_graph *g, const tz_line_field *f,
                                const tz_line_tidy *t);
+
+/** Measures widths and contrasts (`strength`) on the picture, across the lines, and moves
+ * points to the middle between both borders; ends of chains stay.
+ * @param grey  plane that the lines were found in */
+tz_status tz_line_graph_measure(tz_line_graph *g, const float *grey);
+
+/** Marks the pixels that lines cover, and `more` px to either side.
+ * @param[out] mask  w * h of a picture `side` times as large as that of the graph */
+void tz_line_graph_cover(const tz_line_graph *g, double side, double more, int32_t w,
+                         int32_t h, uint8_t *mask);
 
 /** Smooths places and widths along chains; nodes stay. */
 tz_status tz_line_graph_smooth(tz_line_graph *g, double sigma);

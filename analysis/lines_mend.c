@@ -8,7 +8,9 @@
 #include "analysis/lines_graph.h"
 
 #include <math.h>
+#include <stdlib.h>
 
+#define NEAR    1.1  /* of the width: junctions nearer than that are one */
 #define CUT     0.7  /* of the width: cut back */
 #define DAMPING 0.05 /* keeps a junction of parallel lines in place */
 
@@ -23,57 +25,113 @@ static int32_t root_of(int32_t *up, int32_t i)
     return i;
 }
 
+typedef struct short_chain {
+    double length;
+    int32_t chain;
+} short_chain;
+
+typedef struct merger {
+    tz_line_ends ends;
+    int32_t *up, *count;
+    tz_vec2 *sum;
+    double *far; /* of any of a junction's from its middle, at most */
+    short_chain *order;
+    int32_t n;
+} merger;
+
+static int by_length(const void *a, const void *b)
+{
+    const short_chain *p = a, *q = b;
+    if (p->length != q->length)
+        return p->length < q->length ? -1 : 1;
+    return p->chain - q->chain;
+}
+
+/* Chains that are shorter than what meets at their ends is wide. */
+static void find_short(tz_line_graph *g, merger *m)
+{
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        const tz_line_chain *c = &g->chain.v[i];
+        double wide = 0;
+        if (c->gone || c->node[0] < 0 || tz_line_degree(&m->ends, c->node[0]) < 3 ||
+            tz_line_degree(&m->ends, c->node[1]) < 3)
+            continue;
+        for (int k = 0; k < 2; k++)
+            for (int32_t e = m->ends.first[c->node[k]]; e < m->ends.first[c->node[k] + 1];
+                 e++)
+                if (m->ends.end[e] >> 1 != i)
+                    wide = fmax(wide, g->chain.v[m->ends.end[e] >> 1].width);
+        if (c->length <= fmax(2, NEAR * wide))
+            m->order[m->n++] = (short_chain){c->length, i};
+    }
+    qsort(m->order, (size_t)m->n, sizeof *m->order, by_length);
+}
+
+/* Two junctions become one, unless that would reach too far. */
+static void unite(tz_line_graph *g, merger *m, int32_t chain)
+{
+    tz_line_chain *c = &g->chain.v[chain];
+    const int32_t a = root_of(m->up, c->node[0]), b = root_of(m->up, c->node[1]);
+    const double reach = fmax(2, NEAR * c->width);
+    if (a != b) {
+        const tz_vec2 pa = tz_vec2_scale(m->sum[a], 1.0 / m->count[a]),
+                      pb = tz_vec2_scale(m->sum[b], 1.0 / m->count[b]);
+        const tz_vec2 sum = tz_vec2_add(m->sum[a], m->sum[b]);
+        const tz_vec2 mid = tz_vec2_scale(sum, 1.0 / (m->count[a] + m->count[b]));
+        const double far = fmax(m->far[a] + tz_vec2_length(tz_vec2_sub(mid, pa)),
+                                m->far[b] + tz_vec2_length(tz_vec2_sub(mid, pb)));
+        if (far > reach)
+            return;
+        m->up[a] = b;
+        m->sum[b] = sum;
+        m->count[b] += m->count[a];
+        m->far[b] = far;
+    }
+    c->gone = true;
+}
+
 static tz_status merge_near(tz_line_graph *g)
 {
-    tz_line_ends ends;
-    int32_t *up = NULL, *count = NULL;
-    tz_vec2 *sum = NULL;
-    tz_status s = tz_line_ends_init(g, &ends);
+    merger m = {0};
+    const size_t nodes = (size_t)g->node.n;
+    tz_status s = tz_line_ends_init(g, &m.ends);
     if (s == TZ_OK)
-        s = tz_alloc(g->ctx, &up, (size_t)g->node.n, sizeof *up);
+        s = tz_alloc(g->ctx, &m.up, nodes, sizeof *m.up);
     if (s == TZ_OK)
-        s = tz_alloc_zero(g->ctx, &count, (size_t)g->node.n, sizeof *count);
+        s = tz_alloc(g->ctx, &m.count, nodes, sizeof *m.count);
     if (s == TZ_OK)
-        s = tz_alloc_zero(g->ctx, &sum, (size_t)g->node.n, sizeof *sum);
+        s = tz_alloc(g->ctx, &m.sum, nodes, sizeof *m.sum);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &m.far, nodes, sizeof *m.far);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &m.order, (size_t)g->chain.n, sizeof *m.order);
     if (s != TZ_OK)
         goto done;
-    for (int32_t i = 0; i < g->node.n; i++)
-        up[i] = i;
-    for (int32_t i = 0; i < g->chain.n; i++) {
-        tz_line_chain *c = &g->chain.v[i];
-        if (c->gone || c->node[0] < 0 || tz_line_degree(&ends, c->node[0]) < 3 ||
-            tz_line_degree(&ends, c->node[1]) < 3)
-            continue;
-        double wide = 0; /* of what meets there, without the chain itself */
-        for (int k = 0; k < 2; k++)
-            for (int32_t e = ends.first[c->node[k]]; e < ends.first[c->node[k] + 1]; e++)
-                if (ends.end[e] >> 1 != i)
-                    wide = fmax(wide, g->chain.v[ends.end[e] >> 1].width);
-        if (c->length > fmax(2, 1.1 * wide))
-            continue;
-        c->gone = true;
-        up[root_of(up, c->node[0])] = root_of(up, c->node[1]);
-    }
     for (int32_t i = 0; i < g->node.n; i++) {
-        const int32_t r = root_of(up, i);
-        sum[r] = tz_vec2_add(sum[r], g->node.v[i]);
-        count[r]++;
+        m.up[i] = i;
+        m.sum[i] = g->node.v[i];
+        m.count[i] = 1;
     }
+    find_short(g, &m);
+    for (int32_t i = 0; i < m.n; i++)
+        unite(g, &m, m.order[i].chain);
     for (int32_t i = 0; i < g->node.n; i++)
-        if (up[i] == i && count[i] > 1)
-            g->node.v[i] = tz_vec2_scale(sum[i], 1.0 / count[i]);
+        if (m.up[i] == i)
+            g->node.v[i] = tz_vec2_scale(m.sum[i], 1.0 / m.count[i]);
     for (int32_t i = 0; i < g->chain.n; i++) {
         tz_line_chain *c = &g->chain.v[i];
         for (int k = 0; k < 2 && !c->gone && c->node[0] >= 0; k++) {
-            c->node[k] = root_of(up, c->node[k]);
+            c->node[k] = root_of(m.up, c->node[k]);
             tz_line_chain_point(g, c, k, 0)->at = g->node.v[c->node[k]];
         }
     }
 done:
-    tz_line_ends_deinit(g, &ends);
-    tz_free(g->ctx, up);
-    tz_free(g->ctx, count);
-    tz_free(g->ctx, sum);
+    tz_line_ends_deinit(g, &m.ends);
+    tz_free(g->ctx, m.up);
+    tz_free(g->ctx, m.count);
+    tz_free(g->ctx, m.sum);
+    tz_free(g->ctx, m.far);
+    tz_free(g->ctx, m.order);
     return s;
 }
 
@@ -92,20 +150,17 @@ static bool cut_end(const tz_line_graph *g, int32_t end, double reach, stub *out
     int32_t i = 1, k;
     if (c->length < 3 * reach || c->n < 4)
         return false;
-    while (i < c->n - 2 &&
-           tz_vec2_length(tz_vec2_sub(tz_line_chain_point(g, c, end & 1, i)->at, tip)) <
-               reach)
+    while (i < c->n - 2 && tz_vec2_length(tz_vec2_sub(
+                               tz_line_chain_point(g, c, end & 1, i)->at, tip)) < reach)
         i++;
     out->end = end;
     out->skip = i;
     out->at = tz_line_chain_point(g, c, end & 1, i)->at;
     for (k = i + 1; k < c->n - 1; k++)
-        if (tz_vec2_length(
-                tz_vec2_sub(tz_line_chain_point(g, c, end & 1, k)->at, out->at)) >
-            fmax(3, reach))
+        if (tz_vec2_length(tz_vec2_sub(tz_line_chain_point(g, c, end & 1, k)->at,
+                                       out->at)) > fmax(3, reach))
             break;
-    const tz_vec2 d =
-        tz_vec2_sub(tz_line_chain_point(g, c, end & 1, k)->at, out->at);
+    const tz_vec2 d = tz_vec2_sub(tz_line_chain_point(g, c, end & 1, k)->at, out->at);
     const double n = tz_vec2_length(d);
     if (!(n > 0))
         return false;
@@ -190,7 +245,8 @@ tz_status tz_line_graph_mend(tz_line_graph *g)
 
 tz_status tz_line_graph_smooth(tz_line_graph *g, double sigma)
 {
-    TZ_ARRAY(tz_line_point) old = {0};
+    TZ_ARRAY(tz_line_point)
+    old = {0};
     const int32_t reach = (int32_t)ceil(3 * sigma), reach_wide = 3 * reach;
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < g->chain.n && s == TZ_OK; i++) {

@@ -22,8 +22,8 @@ static void add_block(const look *l, int32_t x, int32_t y, float sum[3], int32_t
             const float *p = tz_image_at(im, u, v);
             const float alpha = im->alpha >= 0 ? clamp_unit(p[im->alpha]) : 1;
             for (int32_t c = 0; c < channels; c++) {
-                const float e = linear ? tz_srgb_encode(clamp_unit(p[c]))
-                                       : clamp_unit(p[c]);
+                const float e =
+                    linear ? tz_srgb_encode(clamp_unit(p[c])) : clamp_unit(p[c]);
                 sum[c] += 100 * (alpha * e + (1 - alpha) * 0.5F);
             }
         }
@@ -54,10 +54,9 @@ tz_status tz_line_picture_init(tz_ctx *ctx, const tz_image *photo, int32_t shift
                              .height = (photo->height + side - 1) / side,
                              .channels = photo->channels >= 3 ? 3 : 1,
                              .ctx = ctx};
-    tz_status s = tz_alloc(ctx, &out->v,
-                           (size_t)out->width * (size_t)out->height *
-                               (size_t)out->channels,
-                           sizeof *out->v);
+    tz_status s = tz_alloc(
+        ctx, &out->v, (size_t)out->width * (size_t)out->height * (size_t)out->channels,
+        sizeof *out->v);
     if (s == TZ_OK)
         s = tz_parallel_for(ctx, out->height, row, &l);
     if (s != TZ_OK)

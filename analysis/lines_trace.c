@@ -41,9 +41,10 @@ static tz_line_point point_at(const tracer *t, int32_t p)
     const ptrdiff_t all = (ptrdiff_t)t->w * t->h;
     const double angle = 0.5 * atan2(m->normal[p + all], m->normal[p]);
     const double off = t->f->offset[p];
-    return (tz_line_point){{p % t->w + 0.5 + off * cos(angle),
-                            p / t->w + 0.5 + off * sin(angle)},
-                           m->response[p], t->f->wide[p]};
+    return (tz_line_point){
+        {p % t->w + 0.5 + off * cos(angle), p / t->w + 0.5 + off * sin(angle)},
+        m->response[p],
+        t->f->wide[p]};
 }
 
 void tz_line_chain_measure(const tz_line_graph *g, tz_line_chain *c)

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Whether a picture is one of lines. Private to analysis/. */
+#ifndef TZ_ANALYSIS_LINES_JUDGE_H
+#define TZ_ANALYSIS_LINES_JUDGE_H
+
+#include "analysis/lines.h"
+#include "analysis/lines_graph.h"
+
+/** @param side  px of the photo a px of the picture
+ *  @param[in,out] v  line and tone as found; the rest is filled */
+tz_status tz_line_judge(const tz_line_graph *g, const tz_line_picture *picture,
+                        const float *grey, double side, tz_lines_verdict *v);
+
+#endif
