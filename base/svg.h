@@ -86,6 +86,9 @@ typedef struct tz_svg_writer {
  * xlink and tz namespaces. */
 TZ_API tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width,
                                     double height, tz_svg_writer *w);
+/** The same for a drawing whose unit is so long on paper, mm; 0 = none is known. */
+TZ_API tz_status tz_svg_writer_open_mm(tz_ctx *ctx, const char *path, double width,
+                                       double height, double unit_mm, tz_svg_writer *w);
 /** The same in memory: `w` must stay where it is. @param name  stands for it in messages */
 TZ_API tz_status tz_svg_writer_open_text(tz_ctx *ctx, const char *name, double width,
                                          double height, tz_svg_writer *w);

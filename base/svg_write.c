@@ -43,8 +43,8 @@ static void close_tag(tz_svg_writer *w)
     w->in_tag = false;
 }
 
-/** The root. */
-static tz_status open_root(double width, double height, tz_svg_writer *w)
+/** The root; unit_mm > 0: its size on paper is told. */
+static tz_status open_root(double width, double height, double unit_mm, tz_svg_writer *w)
 {
     const double box[4] = {0, 0, width, height};
     tz_svg_begin(w, "svg");
@@ -52,8 +52,13 @@ static tz_status open_root(double width, double height, tz_svg_writer *w)
     tz_svg_set(w, "xmlns:xlink", TZ_XLINK_NS);
     tz_svg_set(w, "xmlns:tz", TZ_NS);
     tz_svg_set(w, "version", "1.1");
-    tz_svg_set_number(w, "width", width);
-    tz_svg_set_number(w, "height", height);
+    if (unit_mm > 0) {
+        tz_svg_setf(w, "width", "%.9gmm", width * unit_mm);
+        tz_svg_setf(w, "height", "%.9gmm", height * unit_mm);
+    } else {
+        tz_svg_set_number(w, "width", width);
+        tz_svg_set_number(w, "height", height);
+    }
     tz_svg_set_numbers(w, "viewBox", box, 4);
     const tz_status s = w->status;
     if (s != TZ_OK)
@@ -64,12 +69,18 @@ static tz_status open_root(double width, double height, tz_svg_writer *w)
 tz_status tz_svg_writer_open(tz_ctx *ctx, const char *path, double width, double height,
                              tz_svg_writer *w)
 {
+    return tz_svg_writer_open_mm(ctx, path, width, height, 0, w);
+}
+
+tz_status tz_svg_writer_open_mm(tz_ctx *ctx, const char *path, double width,
+                                double height, double unit_mm, tz_svg_writer *w)
+{
     memset(w, 0, sizeof *w);
     tz_status s = tz_file_out_open(ctx, path, &w->out);
     if (s != TZ_OK)
         return w->status = s;
     put(w, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
-    return open_root(width, height, w);
+    return open_root(width, height, unit_mm, w);
 }
 
 tz_status tz_svg_writer_open_text(tz_ctx *ctx, const char *name, double width,
@@ -77,7 +88,7 @@ tz_status tz_svg_writer_open_text(tz_ctx *ctx, const char *name, double width,
 {
     memset(w, 0, sizeof *w);
     tz_status s = tz_file_out_open_text(ctx, name, &w->out);
-    return s == TZ_OK ? open_root(width, height, w) : (w->status = s);
+    return s == TZ_OK ? open_root(width, height, 0, w) : (w->status = s);
 }
 
 void tz_svg_begin(tz_svg_writer *w, const char *name)

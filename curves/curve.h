@@ -148,6 +148,20 @@ static inline tz_bezier tz_curve_bezier(const tz_curve_set *s, const tz_curve_pi
 {
     return (tz_bezier){{s->node.v[p->from], p->a, p->b, tz_curve_piece_end(s, p)}};
 }
+/** The piece as it lies on the way of its path: `by` is the way that copies have moved so
+ * far (0, 0 at first; to be kept from piece to piece), and is moved on. */
+static inline tz_bezier tz_curve_through(const tz_curve_set *s, const tz_curve_piece *p,
+                                         tz_vec2 *by)
+{
+    tz_bezier c = tz_curve_bezier(s, p);
+    const tz_vec2 step = {c.p[3].x - s->node.v[p->to].x, c.p[3].y - s->node.v[p->to].y};
+    for (int k = 0; k < 4 && s->domain.torus; k++)
+        c.p[k] = (tz_vec2){c.p[k].x + by->x, c.p[k].y + by->y};
+    if (s->domain.torus)
+        by->x += round(step.x / s->domain.size.x) * s->domain.size.x,
+            by->y += round(step.y / s->domain.size.y) * s->domain.size.y;
+    return c;
+}
 /** The piece run through the other way. */
 TZ_API tz_curve_piece tz_curve_reversed(const tz_curve_set *s, const tz_curve_piece *p);
 /** The line from p to q, control points at the thirds. */

@@ -89,30 +89,92 @@ static tz_status meet(own *o, int32_t k, tz_vec2 at, int32_t *node)
     return TZ_OK;
 }
 
-static tz_status add_pieces(own *o, const tz_svg_path *d)
+/* Pieces as they are run through in d; what is exact (NULL: the same) tells where they
+ * are. */
+static tz_status add_pieces(own *o, const tz_svg_path *d, const tz_svg_path *exact)
 {
-    const tz_vec2 *v = d->point.v;
+    const tz_vec2 *v = exact ? exact->point.v : d->point.v;
     int32_t at = -1, node, k = 0;
     bool closed = false;
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < d->verb.n && s == TZ_OK && !o->changed; i++) {
         const uint8_t verb = d->verb.v[i];
-        const bool cubic = verb == TZ_PATH_CUBIC;
         if (verb == TZ_PATH_CLOSE || (verb == TZ_PATH_MOVE) != (i == 0)) {
             closed = i > 0 && i == d->verb.n - 1 && verb == TZ_PATH_CLOSE;
             o->changed = !closed;
             break;
         }
+        if (exact && (i >= exact->verb.n ||
+                      exact->verb.v[i] != (i == 0 ? TZ_PATH_MOVE : TZ_PATH_CUBIC))) {
+            o->changed = true;
+            break;
+        }
+        const bool cubic = exact ? i > 0 : verb == TZ_PATH_CUBIC;
         s = meet(o, k++, v[cubic ? 2 : 0], &node);
-        if (s == TZ_OK && i > 0 && !o->changed)
+        if (s == TZ_OK && i > 0 && !o->changed) {
             s = cubic ? tz_curve_cubic(o->set, at, node, v[0], v[1])
                       : tz_curve_line(o->set, at, node);
+            if (s == TZ_OK)
+                o->set->piece.v[o->set->piece.n - 1].straight = verb == TZ_PATH_LINE;
+        }
         at = node;
         v += cubic ? 3 : 1;
     }
     o->changed = o->changed || k != o->number.n || k < 2;
     if (s == TZ_OK)
         tz_curve_end(o->set, closed);
+    return s;
+}
+
+/* Whether d shows the path that has just been read: run through, to the bit. */
+static bool shows(const own *o, const tz_svg_path *d)
+{
+    const tz_curve_set *set = o->set;
+    const tz_curve_path *p = &set->path.v[set->path.n - 1];
+    const tz_vec2 *v = d->point.v + 1;
+    tz_vec2 by = {0, 0};
+    for (int32_t i = 0; i < p->pieces; i++) {
+        const tz_curve_piece *c = &set->piece.v[p->piece + i];
+        const tz_bezier b = tz_curve_through(set, c, &by);
+        const int n = c->straight ? 1 : 3;
+        if (memcmp(v, b.p + 4 - n, (size_t)n * sizeof *v) != 0)
+            return false;
+        v += n;
+    }
+    return true;
+}
+
+/* Widths: two numbers a piece. */
+static tz_status read_widths(own *o, const char *text, int32_t pieces)
+{
+    tz_status s = TZ_OK;
+    if (!text)
+        return TZ_OK;
+    o->number.n = 0;
+    s = tz_svg_numbers(NULL, text, &o->number);
+    o->changed = o->changed || s == TZ_INVALID || o->number.n != 2 * (int64_t)pieces;
+    for (int32_t i = 0; i < pieces && s == TZ_OK && !o->changed; i++)
+        s = tz_array_push(o->r->ctx, &o->set->taper,
+                          ((tz_curve_taper){o->number.v[2 * i], o->number.v[2 * i + 1]}));
+    return s == TZ_INVALID ? TZ_OK : s;
+}
+
+/* Origins: eight numbers a piece, or "none". */
+static tz_status read_origins(own *o, const char *text, int32_t pieces)
+{
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; text && i < pieces && s == TZ_OK && !o->changed; i++) {
+        tz_bezier b = tz_curve_no_origin();
+        text += strspn(text, " ");
+        const bool none = strncmp(text, "none", 4) == 0;
+        text += none ? 4 : 0;
+        for (int k = 0; k < 8 && !none && !o->changed; k++) {
+            double *v = k & 1 ? &b.p[k / 2].y : &b.p[k / 2].x;
+            o->changed = !tz_number_parse(text + strspn(text, " "), &text, v);
+        }
+        s = tz_array_push(o->r->ctx, &o->set->origin, b);
+    }
+    o->changed = o->changed || (text && text[strspn(text, " ")] != 0);
     return s;
 }
 
@@ -138,8 +200,9 @@ static tz_status find_pen(own *o, tz_svg_node n, const tz_style *style, int32_t 
 
 static tz_status read_path(own *o, tz_svg_node n, const tz_style *style)
 {
-    const char *nodes = tz_svg_attr(n, "tz:nodes"), *d = tz_svg_attr(n, "d");
-    tz_svg_path path = {0};
+    const char *nodes = tz_svg_attr(n, "tz:nodes"), *d = tz_svg_attr(n, "d"),
+               *exact = tz_svg_attr(n, "tz:exact"), *closed = tz_svg_attr(n, "tz:closed");
+    tz_svg_path path = {0}, raw = {0};
     int32_t pen = 0;
     if (!nodes || !d) {
         o->changed = true;
@@ -152,11 +215,25 @@ static tz_status read_path(own *o, tz_svg_node n, const tz_style *style)
     s = tz_svg_numbers(NULL, nodes, &o->number);
     if (s == TZ_OK)
         s = tz_svg_path_parse(NULL, d, &path);
+    if (s == TZ_OK && exact)
+        s = tz_svg_path_parse(NULL, exact, &raw);
     if (s == TZ_OK)
         s = tz_curve_begin(o->set, pen);
     if (s == TZ_OK)
-        s = add_pieces(o, &path);
+        s = add_pieces(o, &path, exact ? &raw : NULL);
+    if (s == TZ_OK && !o->changed) {
+        tz_curve_path *p = &o->set->path.v[o->set->path.n - 1];
+        const int32_t pieces = p->pieces;
+        if (closed &&
+            o->set->piece.v[p->piece].from == o->set->piece.v[o->set->piece.n - 1].to)
+            p->closed = true;
+        o->changed = exact && !shows(o, &path);
+        s = read_widths(o, tz_svg_attr(n, "tz:width"), pieces);
+        if (s == TZ_OK)
+            s = read_origins(o, tz_svg_attr(n, "tz:from"), pieces);
+    }
     tz_svg_path_deinit(NULL, &path);
+    tz_svg_path_deinit(NULL, &raw);
     if (s == TZ_FORMAT || s == TZ_INVALID)
         return tz_fail(o->r->ctx, TZ_FORMAT, "%s:%d: the path cannot be read; correct it",
                        o->r->name, tz_svg_line(n));
@@ -215,7 +292,10 @@ static tz_status read_root(own *o)
     }
     o->set->domain = (tz_domain){.size = {o->number.v[0], o->number.v[1], o->number.v[2]},
                                  .torus = torus && strcmp(torus, "1") == 0};
-    o->changed = !hex(tz_svg_attr(root, "tz:background"), &o->set->background);
+    const char *unit = tz_svg_attr(root, "tz:unit");
+    o->changed =
+        !hex(tz_svg_attr(root, "tz:background"), &o->set->background) ||
+        (unit && (!tz_svg_number(unit, &o->set->unit_mm) || !(o->set->unit_mm > 0)));
     if (!o->changed && recipe)
         return tz_strdup(o->r->ctx, tz_svg_text(o->r->doc, recipe), &o->set->recipe);
     return TZ_OK;
@@ -230,6 +310,7 @@ static tz_status read_elements(tz_element_reader *r, const char *text, tz_curve_
     tz_array_free(r->ctx, &r->rule); /* the style is loaded again */
     tz_free(r->ctx, r->css);
     r->css = NULL;
+    r->may_lack = true;
     const tz_status s = tz_element_read_own(r, text);
     if (s != TZ_OK)
         return s;
@@ -260,6 +341,8 @@ tz_status tz_curve_read_own(tz_element_reader *r, const char *text, tz_curve_set
         s = read_nodes(&o, root, &style, 0);
     for (int32_t i = 0; i < o.known.n && s == TZ_OK; i++)
         o.changed = o.changed || !o.known.v[i];
+    o.changed = o.changed || (set.taper.n > 0 && set.taper.n != set.piece.n) ||
+                (set.origin.n > 0 && set.origin.n != set.piece.n);
     tz_array_free(r->ctx, &o.known);
     tz_array_free(NULL, &o.number);
     *own_document = s == TZ_OK && !o.changed;

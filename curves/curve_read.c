@@ -9,6 +9,7 @@
 #include "curves/curve_join.h"
 #include "curves/curve_own_internal.h"
 #include "curves/curve_read_internal.h"
+#include "elements/element_svg_photo.h"
 
 typedef struct reading {
     tz_element_reader *r;
@@ -195,6 +196,30 @@ static tz_status drop_nodes(tz_curve_set *s)
     return TZ_OK;
 }
 
+/* Length of a unit on paper, mm, where the document's width says one; else 0. */
+static double paper_unit(const tz_element_reader *r)
+{
+    static const char *const units[] = {"mm", "cm", "in", "pt", "pc", "Q"};
+    const char *text = tz_svg_attr(tz_svg_root(r->doc), "width"), *end;
+    double number, px;
+    if (!text || !tz_number_parse(text + strspn(text, " \t\n"), &end, &number) ||
+        !tz_style_length(text, 0, &px))
+        return 0;
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strncmp(end, units[i], strlen(units[i])) == 0 && px > 0)
+            return px * 25.4 / 96 / r->view.x;
+    return 0;
+}
+
+/* A document of ours that has been changed stays the torus that it was. */
+static bool was_torus(const tz_element_reader *r)
+{
+    const tz_svg_node root = tz_svg_root(r->doc);
+    const char *kind = tz_svg_attr(root, "tz:document"),
+               *torus = tz_svg_attr(root, "tz:torus");
+    return kind && torus && strcmp(torus, "1") == 0;
+}
+
 static tz_status read_shapes(reading *k)
 {
     tz_element_reader *r = k->r;
@@ -207,10 +232,15 @@ static tz_status read_shapes(reading *k)
     if (s != TZ_OK)
         return s;
     k->set->domain = (tz_domain){.size = {r->view.x, r->view.y, 0}};
+    k->set->unit_mm = paper_unit(r);
     for (int32_t i = 0; i < r->part.n && s == TZ_OK; i++)
         s = read_part(k, &r->part.v[i]);
     if (s == TZ_OK)
         s = drop_nodes(k->set);
+    if (s == TZ_OK) {
+        k->set->domain.torus = was_torus(r);
+        tz_curve_wrap(k->set);
+    }
     if (s == TZ_OK && k->filled > 0)
         tz_warn(r->ctx, "%s: %d filled shapes are no curves and are left out", r->name,
                 k->filled);
@@ -250,6 +280,33 @@ static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options 
     return s;
 }
 
+/* Photos of a document of ours that has been changed. */
+static tz_status read_photos(tz_element_reader *r, tz_svg_node n, int depth)
+{
+    enum { DEEPEST = 256 };
+    tz_status s = TZ_OK;
+    for (tz_svg_node c = tz_svg_child(n); c && s == TZ_OK; c = tz_svg_next(c))
+        if (tz_svg_is(c, "image"))
+            s = tz_element_read_image(r, c);
+        else if (depth < DEEPEST && (tz_svg_is(c, "defs") || tz_svg_is(c, "g")))
+            s = read_photos(r, c, depth + 1);
+    return s;
+}
+
+static tz_status keep_photos(tz_element_reader *r, tz_curve_set *set)
+{
+    tz_status s = read_photos(r, tz_svg_root(r->doc), 0);
+    if (s == TZ_OK)
+        s = tz_element_join_photos(r);
+    if (s != TZ_OK || r->set.photo.n == 0)
+        return s;
+    set->element = r->set;
+    set->element.domain = set->domain;
+    memset(&r->set, 0, sizeof r->set);
+    r->set.ctx = r->ctx;
+    return TZ_OK;
+}
+
 /* ---- documents --------------------------------------------------------------------- */
 
 static tz_status read_document(tz_element_reader *r, const char *text,
@@ -267,7 +324,8 @@ static tz_status read_document(tz_element_reader *r, const char *text,
         if (s != TZ_OK || own)
             return s;
     }
-    return read_drawing(r, opt, out);
+    const tz_status s = read_drawing(r, opt, out);
+    return s == TZ_OK && kind ? keep_photos(r, out) : s;
 }
 
 tz_status tz_curve_parse_svg(tz_ctx *ctx, const char *name, const char *text, size_t size,

@@ -80,11 +80,7 @@ static tz_status add_curve(sampler *k, int32_t piece, tz_vec2 *by)
 {
     const tz_curve_piece *p = &k->set.piece.v[piece];
     polyline *l = &k->line;
-    tz_bezier b = tz_curve_bezier(&k->set, p);
-    const tz_vec2 step = tz_vec2_sub(b.p[3], k->set.node.v[p->to]);
-    for (int i = 0; i < 4; i++)
-        b.p[i] = tz_vec2_add(b.p[i], *by);
-    *by = tz_vec2_add(*by, step);
+    const tz_bezier b = tz_curve_through(&k->set, p, by);
     tz_status s = tz_array_push(k->ctx, &l->first, l->point.n - 1);
     if (s == TZ_OK)
         s = tz_array_push(k->ctx, &l->curve, b);

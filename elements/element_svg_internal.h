@@ -72,8 +72,9 @@ typedef struct tz_element_reader {
     const char *name; /**< of the file */
     tz_svg_doc *doc;
     tz_element_read_options opt;
-    tz_vec2 view; /**< size of the view */
-    bool tile;    /**< the document says that it repeats */
+    tz_vec2 view;  /**< size of the view */
+    bool tile;     /**< the document says that it repeats */
+    bool may_lack; /**< a document of ours without elements is fine */
     char *css;
     TZ_ARRAY(tz_css_rule)
     rule;

@@ -513,7 +513,7 @@ static tz_status read_all(own *o)
     if (s == TZ_OK)
         s = read_elements(o, table, root, tz_affine_identity(), 0);
     tz_free(r->ctx, table);
-    if (s == TZ_OK && r->set.element.n == 0)
+    if (s == TZ_OK && r->set.element.n == 0 && !r->may_lack)
         return tz_fail(r->ctx, TZ_INVALID,
                        "%s: there are no elements in it; place some first", r->name);
     return s == TZ_OK ? restore_order(o) : s;

@@ -262,8 +262,8 @@ static tz_status check_ids(tz_ctx *ctx, const char *path, const tz_element_set *
     return st;
 }
 
-tz_status tz_element_put_set(tz_ctx *ctx, const char *path, tz_svg_writer *w,
-                             const tz_element_set *s)
+tz_status tz_element_put_ground(tz_ctx *ctx, const char *path, tz_svg_writer *w,
+                                const tz_element_set *s)
 {
     tz_svg_begin(w, "defs");
     put_kinds(w, s);
@@ -279,6 +279,18 @@ tz_status tz_element_put_set(tz_ctx *ctx, const char *path, tz_svg_writer *w,
         tz_svg_set(w, "tz:copy", "1");
         tz_svg_end(w);
     }
+    return st;
+}
+
+tz_status tz_element_put_elements(tz_svg_writer *w, const tz_element_set *s)
+{
+    return put_elements(w, s);
+}
+
+tz_status tz_element_put_set(tz_ctx *ctx, const char *path, tz_svg_writer *w,
+                             const tz_element_set *s)
+{
+    const tz_status st = tz_element_put_ground(ctx, path, w, s);
     return st == TZ_OK ? put_elements(w, s) : st;
 }
 

@@ -33,4 +33,9 @@ tz_status tz_element_put_check(tz_ctx *ctx, const char *path, const tz_element_s
 tz_status tz_element_put_set(tz_ctx *ctx, const char *path, tz_svg_writer *w,
                              const tz_element_set *s);
 
+/** The two parts of it: definitions with what lies beneath all, and the elements. */
+tz_status tz_element_put_ground(tz_ctx *ctx, const char *path, tz_svg_writer *w,
+                                const tz_element_set *s);
+tz_status tz_element_put_elements(tz_svg_writer *w, const tz_element_set *s);
+
 #endif

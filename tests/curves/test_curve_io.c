@@ -197,6 +197,16 @@ static void same(const tz_curve_set *a, const tz_curve_set *b)
         assert_true(p->piece == q->piece && p->pieces == q->pieces && p->pen == q->pen &&
                     p->closed == q->closed);
     }
+    assert_true(a->unit_mm == b->unit_mm);
+    assert_int_equal(a->taper.n, b->taper.n);
+    assert_int_equal(a->origin.n, b->origin.n);
+    for (int32_t i = 0; i < a->taper.n; i++)
+        assert_memory_equal(&a->taper.v[i], &b->taper.v[i], sizeof a->taper.v[i]);
+    for (int32_t i = 0; i < a->origin.n; i++)
+        if (isnan(a->origin.v[i].p[0].x))
+            assert_true(isnan(b->origin.v[i].p[0].x));
+        else
+            assert_memory_equal(&a->origin.v[i], &b->origin.v[i], sizeof a->origin.v[i]);
     assert_int_equal(!a->recipe, !b->recipe);
     if (a->recipe)
         assert_string_equal(a->recipe, b->recipe);
@@ -240,6 +250,16 @@ static void scribble(tz_curve_set *s, uint64_t seed, int32_t paths)
         tz_curve_end(s, i % 2);
     }
     tz_curve_wrap(s);
+    for (int32_t i = 0; i < s->piece.n && seed % 5 == 1; i++)
+        ok(ctx, tz_array_push(ctx, &s->taper,
+                              ((tz_curve_taper){tz_rng_unit(&g) + 0.1, 1.0 / 3})));
+    for (int32_t i = 0; i < s->piece.n && seed % 3 == 2; i++) {
+        tz_bezier b = tz_curve_no_origin();
+        for (int k = 0; k < 4 && i % 4; k++)
+            b.p[k] = (tz_vec2){tz_rng_normal(&g), 100 * tz_rng_normal(&g)};
+        ok(ctx, tz_array_push(ctx, &s->origin, b));
+    }
+    s->unit_mm = seed % 4 == 3 ? 0.1 / 3 : 0;
     ok(ctx, tz_curve_set_check(ctx, s, "scribble"));
 }
 
@@ -286,6 +306,120 @@ static void test_with_elements(void **state)
     }
     tz_curve_set_deinit(&a);
     tz_curve_set_deinit(&b);
+    end_dir(dir);
+}
+
+/* A photo and a ground without any elements stay. */
+static void test_photo(void **state)
+{
+    (void)state;
+    char dir[64], path[100], photo[100], plate[100];
+    tz_curve_set a, b;
+    begin_dir(dir);
+    snprintf(path, sizeof path, "%s/a.svg", dir);
+    snprintf(photo, sizeof photo, "%s/p.png", dir);
+    snprintf(plate, sizeof plate, "%s/q.png", dir);
+    scribble(&a, 8, 12);
+    a.element.domain = a.domain;
+    tz_element_photo p = {.width = 30, .height = 20};
+    ok(ctx, tz_strdup(ctx, photo, &p.path));
+    ok(ctx, tz_strdup(ctx, plate, &p.plate));
+    memset(p.sha256, 'a', 64);
+    ok(ctx, tz_array_push(ctx, &a.element.photo, p));
+    ok(ctx, tz_strdup(ctx, "<path d=\"M0 0L9 9Z\"/>", &a.element.background));
+    for (int k = 0; k < 2; k++) {
+        ok(ctx, tz_curve_write_svg(ctx, path, &a));
+        if (k == 1) { /* an editor has been at it */
+            char *text;
+            size_t size;
+            ok(ctx, tz_file_read(ctx, path, 1 << 20, &text, &size));
+            char *at = strstr(text, "tz:nodes=\"");
+            memcpy(at, "aa:nodes", 8);
+            FILE *f = fopen(path, "w");
+            fwrite(text, 1, size, f);
+            fclose(f);
+            tz_free(ctx, text);
+        }
+        ok(ctx, tz_curve_read_svg(ctx, path, NULL, &b));
+        if (k == 0)
+            same(&a, &b);
+        assert_int_equal(b.element.element.n, 0);
+        assert_int_equal(b.element.photo.n, 1);
+        assert_string_equal(b.element.photo.v[0].path, photo);
+        assert_string_equal(b.element.photo.v[0].plate, plate);
+        assert_memory_equal(b.element.photo.v[0].sha256, p.sha256, 65);
+        assert_int_equal(b.element.photo.v[0].width, 30);
+        if (k == 0)
+            assert_string_equal(b.element.background, a.element.background);
+        tz_curve_set_deinit(&b);
+    }
+    tz_curve_set_deinit(&a);
+    end_dir(dir);
+}
+
+static void test_paper(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *width;
+        double mm;
+    } list[] = {{"210mm", 2.1}, {"21cm", 2.1}, {"10in", 2.54}, {"100", 0}, {"100px", 0}};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "<svg xmlns='http://www.w3.org/2000/svg' width='%s' height='%s' "
+                 "viewBox='0 0 100 100'><path stroke='red' fill='none' d='M1 1L9 "
+                 "9'/></svg>",
+                 list[i].width, list[i].width);
+        ok(ctx, parse(text, NULL));
+        near(set.unit_mm, list[i].mm, 1e-12);
+    }
+}
+
+/* A path over the border of a torus: shown run through, and at the other side; the torus
+ * stays where an editor has changed the document. */
+static void test_torus(void **state)
+{
+    (void)state;
+    char dir[64], path[100], *text;
+    size_t size;
+    tz_curve_set a, b;
+    int32_t pen, n[3];
+    begin_dir(dir);
+    snprintf(path, sizeof path, "%s/a.svg", dir);
+    a = (tz_curve_set){.ctx = ctx,
+                       .domain = {.size = {100, 80, 0}, .torus = true},
+                       .element = {.ctx = ctx}};
+    ok(ctx, tz_curve_add_pen(&a, (tz_curve_pen){.width = 1, .color = 255}, &pen));
+    ok(ctx, tz_curve_add_node(&a, (tz_vec2){90, 10}, &n[0]));
+    ok(ctx, tz_curve_add_node(&a, (tz_vec2){115, 1.0 / 3}, &n[1]));
+    ok(ctx, tz_curve_add_node(&a, (tz_vec2){170, -30}, &n[2]));
+    ok(ctx, tz_curve_begin(&a, pen));
+    ok(ctx, tz_curve_line(&a, n[0], n[1]));
+    ok(ctx, tz_curve_cubic(&a, n[1], n[2], (tz_vec2){130, -10}, (tz_vec2){150, -30}));
+    ok(ctx, tz_curve_line(&a, n[2], n[0])); /* around */
+    tz_curve_end(&a, true);
+    tz_curve_wrap(&a);
+    const double length = total_length(&a);
+    ok(ctx, tz_curve_write_svg(ctx, path, &a));
+    ok(ctx, tz_curve_read_svg(ctx, path, NULL, &b));
+    same(&a, &b);
+    tz_curve_set_deinit(&b);
+    ok(ctx, tz_file_read(ctx, path, 1 << 20, &text, &size));
+    assert_non_null(strstr(text, "tz:copy"));
+    assert_non_null(strstr(text, "tz:exact"));
+    memcpy(strstr(text, "tz:nodes"), "aa", 2);
+    FILE *f = fopen(path, "w");
+    fwrite(text, 1, size, f);
+    fclose(f);
+    tz_free(ctx, text);
+    ok(ctx, tz_curve_read_svg(ctx, path, NULL, &b));
+    assert_true(b.domain.torus);
+    assert_int_equal(b.path.n, 1);
+    assert_true(b.path.v[0].closed);
+    near(total_length(&b), length, 1e-6 * length);
+    tz_curve_set_deinit(&b);
+    tz_curve_set_deinit(&a);
     end_dir(dir);
 }
 
@@ -431,6 +565,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_bad, begin, end),
         cmocka_unit_test_setup_teardown(test_round_trip, begin, end),
         cmocka_unit_test_setup_teardown(test_with_elements, begin, end),
+        cmocka_unit_test_setup_teardown(test_photo, begin, end),
+        cmocka_unit_test_setup_teardown(test_paper, begin, end),
+        cmocka_unit_test_setup_teardown(test_torus, begin, end),
         cmocka_unit_test_setup_teardown(test_edited, begin, end),
         cmocka_unit_test_setup_teardown(test_join_again, begin, end),
         cmocka_unit_test_setup_teardown(test_many_crossings, begin, end),
