@@ -15,6 +15,7 @@
 #include "base/grid.h"
 
 #define TABLE_MOST ((size_t)256 << 20)
+#define INSIDE     0.85 /* of the radius: neighbours whose lack counts */
 
 /* ---- small assignments ------------------------------------------------------------- */
 
@@ -426,10 +427,26 @@ static tz_status fill_exits(tz_matcher *m)
     return TZ_OK;
 }
 
+/* Neighbours come nearest first, so those well inside are the first ones. */
+static tz_status count_inner(tz_matcher *m)
+{
+    const tz_match_hoods *h = &m->hi;
+    const double r = INSIDE * m->i->radius;
+    const tz_status s = tz_alloc(m->ctx, &m->inner, (size_t)h->n, sizeof *m->inner);
+    for (int32_t i = 0; i < h->n && s == TZ_OK; i++) {
+        int32_t k = h->first[i];
+        while (k < h->first[i + 1] && hypot((double)h->x[k], (double)h->y[k]) <= r)
+            k++;
+        m->inner[i] = k - h->first[i];
+    }
+    return s;
+}
+
 void tz_matcher_deinit(tz_matcher *m)
 {
     tz_match_hoods_deinit(&m->ho);
     tz_match_hoods_deinit(&m->hi);
+    tz_free(m->ctx, m->inner);
     tz_free(m->ctx, m->exit);
     tz_free(m->ctx, m->edges);
     memset(m, 0, sizeof *m);
@@ -448,6 +465,8 @@ tz_status tz_matcher_init(tz_ctx *ctx, const tz_sample_graph *o, const tz_sample
     tz_status s = tz_match_hoods_make(ctx, o, i->radius, &out.ho);
     if (s == TZ_OK)
         s = tz_match_hoods_make(ctx, i, i->radius * out.params.more, &out.hi);
+    if (s == TZ_OK)
+        s = count_inner(&out);
     if (s == TZ_OK)
         s = fill_exits(&out);
     if (s == TZ_OK) {
@@ -505,6 +524,15 @@ static float fill_row(const tz_matcher *m, int32_t k, int32_t si, tz_assign *w,
     return best;
 }
 
+/* Samples well inside the exemplar's neighbourhood without a partner. */
+static int32_t count_lacks(const tz_matcher *m, int32_t si, const tz_assign *w)
+{
+    int32_t n = m->inner[si];
+    for (int32_t k = 0; k < w->rows; k++)
+        n -= w->to[k] >= 0 && w->to[k] < m->inner[si];
+    return n;
+}
+
 float tz_match(const tz_matcher *m, int32_t so, int32_t si, tz_assign *w, bool warm,
                float enough)
 {
@@ -512,15 +540,19 @@ float tz_match(const tz_matcher *m, int32_t so, int32_t si, tz_assign *w, bool w
     if (m->o->sample.v[so].q != m->i->sample.v[si].q)
         return INFINITY;
     const float centre = attribute_cost(m, so, si);
-    float bound = centre;
+    const float lack = (float)(m->params.lack * m->i->spacing);
     w->rows = m->ho.first[so + 1] - first;
     w->cols = m->hi.first[si + 1] - m->hi.first[si];
+    const int32_t least = m->inner[si] > w->rows ? m->inner[si] - w->rows : 0;
+    float bound = centre + lack * (float)least;
     for (int32_t k = 0; k < w->rows; k++) {
         w->exit[k] = m->exit[m->ho.id[first + k]];
         bound += fill_row(m, first + k, si, w, k);
         if (!(bound < enough))
             return INFINITY;
     }
-    const float cost = centre + tz_assign_solve(w, warm, enough - centre);
+    float cost = centre + tz_assign_solve(w, warm, enough - centre);
+    if (cost < enough && lack > 0)
+        cost += lack * (float)count_lacks(m, si, w);
     return cost < enough ? cost : INFINITY;
 }

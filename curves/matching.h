@@ -55,10 +55,12 @@ typedef struct tz_match_params {
                        lies at the rim of the output's finds its partner */
     bool hard; /**< every sample must match as long as there are partners: staying alone
                        costs more than any match ([Tu20] Fig. 6a) */
+    double lack;     /**< spacings that each sample costs which the exemplar's neighbourhood
+                          has well inside and the output's lacks; 0 as in Eq. (7) */
     const bool *cut; /**< NULL, or per sample of the exemplar: it has more edges than are
                           seen, as its border cuts them: a lack of edges costs nothing */
 } tz_match_params;
-TZ_API tz_match_params tz_match_params_default(void); /**< 0.5, 1.25, soft, NULL */
+TZ_API tz_match_params tz_match_params_default(void); /**< 0.5, 1.25, soft, 0, NULL */
 
 /** What all matches between two graphs share. Borrowed graphs must not change under it.
  * Where the output's domain has frames, its neighbourhoods are turned back by the frame at
@@ -67,6 +69,7 @@ typedef struct tz_matcher {
     const tz_sample_graph *o, *i;
     tz_match_params params;
     tz_match_hoods ho, hi; /**< neighbourhoods; ho's offsets as they are matched */
+    int32_t *inner; /**< per sample of the exemplar: neighbours well inside */
     float *exit;           /**< per output sample: cost of staying alone, c */
     float *edges; /**< gamma * Eq. (5) of all pairs, rows are output samples; NULL
                                 where that would be over 256 MiB */

@@ -198,6 +198,33 @@ static void find_cuts(tz_curve_model *m)
         memset(m->cut, 0, (size_t)m->g.sample.n * sizeof *m->cut);
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static tz_status find_apart(tz_curve_model *m)
+{
+    tz_match_hoods h = {0};
+    float *d = NULL;
+    int32_t n = 0;
+    tz_status s = tz_match_hoods_make(m->ctx, &m->g, m->g.spacing, &h);
+    if (s == TZ_OK)
+        s = tz_alloc(m->ctx, &d, (size_t)h.n, sizeof *d);
+    for (int32_t i = 0; i < h.n && s == TZ_OK; i++) {
+        const int32_t k = h.first[i];
+        if (m->g.sample.v[i].q == TZ_SAMPLE_CURVE && k < h.first[i + 1])
+            d[n++] = hypotf(h.x[k], h.y[k]);
+    }
+    if (n > 1)
+        qsort(d, (size_t)n, sizeof *d, by_value);
+    m->apart = n > 0 ? (double)d[n / 10] : m->g.spacing;
+    tz_match_hoods_deinit(&h);
+    tz_free(m->ctx, d);
+    return s;
+}
+
 void tz_curve_model_deinit(tz_curve_model *m)
 {
     tz_sample_graph_deinit(&m->g);
@@ -220,6 +247,8 @@ tz_status tz_curve_model_init(tz_ctx *ctx, const tz_curve_set *exemplar, double 
         find_cuts(m);
         s = sort_by_q(m);
     }
+    if (s == TZ_OK)
+        s = find_apart(m);
     if (s == TZ_OK)
         s = make_lookup(m);
     if (s != TZ_OK)

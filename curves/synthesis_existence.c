@@ -17,8 +17,8 @@
 #include "base/grid.h"
 #include "curves/synthesis_internal.h"
 
-#define SAME     0.5  /* of the spacing: candidates of one cluster */
-#define CROWDED  0.4  /* of the spacing: samples too near */
+#define SAME     0.5  /* of the samples' distance: candidates of one cluster */
+#define CROWDED  0.4  /* of the samples' distance: samples too near */
 #define FAR_AWAY 0.5  /* of the spacing: beyond the border */
 #define DRIFT    0.05 /* of the spacing: a cluster's centre before it is filed anew */
 
@@ -123,7 +123,7 @@ static bool weaker(const tz_curve_solve *t, int32_t a, int32_t b)
 static tz_status thin(tz_curve_solve *t)
 {
     enum { MOST = 64 };
-    const double near = CROWDED * t->o.spacing;
+    const double near = CROWDED * t->x->apart;
     int32_t found[MOST], id;
     tz_grid grid = {0};
     tz_status s = make_grid(t, &grid, t->o.spacing);
@@ -179,7 +179,7 @@ static tz_status add_candidate(existence *e, tz_vec2 at, int32_t like)
 {
     tz_curve_solve *t = e->t;
     const int32_t q = t->x->g.sample.v[like].q;
-    const double radius = SAME * t->o.spacing;
+    const double radius = SAME * t->x->apart;
     const int32_t c = nearest_cluster(e, at, q, radius);
     if (c < 0) {
         const cluster k = {.at = at, .n = 1, .q = q, .like = like};
@@ -229,7 +229,7 @@ static bool is_free(const existence *e, tz_vec2 at, int32_t q)
     enum { MOST = 32 };
     int32_t found[MOST];
     const tz_curve_solve *t = e->t;
-    const int32_t n = tz_grid_query(&e->kept, at, CROWDED * t->o.spacing, found, MOST);
+    const int32_t n = tz_grid_query(&e->kept, at, CROWDED * t->x->apart, found, MOST);
     for (int32_t k = 0; k < (n < MOST ? n : MOST); k++)
         if (!t->drop[found[k]] && t->o.sample.v[found[k]].q == q)
             return false;
@@ -268,7 +268,7 @@ static tz_status find_extras(tz_curve_solve *t)
 {
     existence e = {.t = t};
     int32_t id;
-    tz_status s = make_grid(t, &e.grid, SAME * t->o.spacing);
+    tz_status s = make_grid(t, &e.grid, SAME * t->x->apart);
     if (s == TZ_OK)
         s = make_grid(t, &e.kept, t->o.spacing);
     for (int32_t i = 0; i < t->o.sample.n && s == TZ_OK; i++)

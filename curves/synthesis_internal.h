@@ -28,6 +28,8 @@ typedef struct tz_curve_lookup {
 typedef struct tz_curve_model {
     tz_sample_graph g;
     bool *cut; /**< per sample: an end that only the exemplar's border makes */
+    double apart; /**< how near to each other its samples lie, up to the spacing: nine in
+                       ten are no nearer */
     tz_curve_lookup look;
     TZ_ARRAY(int32_t)
     by_q; /**< samples in rising order of q */

@@ -13,7 +13,7 @@
 enum { TRIES = 24, MOST_FOUND = 512 };
 #define PATCH   2.5  /* radii: side */
 #define OVERLAP 0.25 /* of the side */
-#define SAME    0.4  /* of the spacing: samples nearer than this are one */
+#define SAME    0.4  /* of the samples' distance: nearer ones are one */
 
 typedef struct quilt {
     tz_curve_solve *t;
@@ -95,7 +95,7 @@ static double misfit(quilt *k, const window *w, const tz_vec2 *v, int32_t n)
 static bool is_free(const quilt *k, tz_vec2 at)
 {
     int32_t any;
-    return tz_grid_query(&k->grid, at, SAME * k->t->x->g.spacing, &any, 1) == 0;
+    return tz_grid_query(&k->grid, at, SAME * k->t->x->apart, &any, 1) == 0;
 }
 
 static tz_status grid_rest(quilt *k)

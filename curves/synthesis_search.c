@@ -257,6 +257,7 @@ static tz_status prepare(tz_curve_solve *t)
     mp.gamma = t->p.edges ? mp.gamma : 0;
     mp.hard = !t->p.robust;
     mp.cut = t->x->cut;
+    mp.lack = getenv("LACK") ? atof(getenv("LACK")) : 0;
     tz_curve_solve_forget(t);
     tz_status s = tz_matcher_init(t->ctx, &t->o, &t->x->g, &mp, &t->m);
     const int32_t n = t->o.sample.n, items = s == TZ_OK ? t->m.ho.first[n] : 0;
