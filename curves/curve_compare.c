@@ -22,8 +22,8 @@ enum { DEGREES, ENDS, EDGES, TURNING, ORIENTATION, DENSITY, CELLS, PATCHES };
 
 /* What is too small to matter. */
 static const double allowance[MEASURES] = {
-    [DEGREES] = 0.05,     [ENDS] = 0.02,    [EDGES] = 0.02, [TURNING] = 0.01,
-    [ORIENTATION] = 0.05, [DENSITY] = 0.02, [CELLS] = 0.02, [PATCHES] = 0.01};
+    [DEGREES] = 0.05,     [ENDS] = 0.005,   [EDGES] = 0.02, [TURNING] = 0.01,
+    [ORIENTATION] = 0.05, [DENSITY] = 0.02, [CELLS] = 0.03, [PATCHES] = 0.01};
 
 typedef struct differences {
     double of[MEASURES]; /* NAN = does not apply */
@@ -194,7 +194,10 @@ static tz_status compare_parts(tz_curve_standard *k)
 {
     tz_linework_window w[WINDOWS];
     mean m = {{0}, {0}};
+    differences none;
     tz_status s = TZ_OK;
+    for (int i = 0; i < MEASURES; i++)
+        none.of[i] = NAN;
     list_windows(&k->field, w);
     for (int i = 0; i < WINDOWS && s == TZ_OK; i += 2) {
         view a, b;
@@ -202,12 +205,11 @@ static tz_status compare_parts(tz_curve_standard *k)
         look(k, &k->field, &k->raster, w[i + 1], &b);
         const differences d = compare_views(k, &a, &b);
         add(&m, &d, i < HALVES ? 1 : sqrt(0.5));
-        for (int back = 0; back < 2 && i < HALVES && s == TZ_OK; back++) {
-            double p = 0;
-            s = tz_linework_patches(&k->field, &k->raster, w[i + back], &k->field,
-                                    &k->raster, w[i + 1 - back], &p);
-            m.sum[PATCHES] += isnan(p) ? 0 : p;
-            m.n[PATCHES] += !isnan(p);
+        if (i < HALVES) {
+            differences p = none;
+            s = tz_linework_patches(&k->field, &k->raster, w[i], &k->field, &k->raster,
+                                    w[i + 1], &p.of[PATCHES]);
+            add(&m, &p, 1);
         }
     }
     for (int i = 0; i < MEASURES; i++)
@@ -290,10 +292,10 @@ static double ratio(double found, double own, double small)
     return fmin(TZ_CURVE_WORST, found / hypot(own, small));
 }
 
-/* One node more or less, as a difference of the measure. */
-static double one_node(const tz_curve_standard *k)
+/* One node more or less in a half or in the layout, as a difference of the measure. */
+static double one_node(const tz_curve_standard *k, const view *v)
 {
-    return 1 / (k->nodes * k->whole.s.length / 2);
+    return 1 / (k->nodes * fmin(k->whole.s.length / 2, v->s.length));
 }
 
 static bool has_nodes(const view *a, const view *b, int n)
@@ -318,7 +320,8 @@ static void rate_all(const tz_curve_standard *k, const view *v, differences d,
     if (!has_nodes(&k->whole, v, 1))
         d.of[ENDS] = NAN;
     for (int i = 0; i < MEASURES; i++) {
-        const double small = allowance[i] + (i == DEGREES || i == ENDS ? one_node(k) : 0);
+        const double node = i == DEGREES || i == ENDS ? one_node(k, v) : 0,
+                     small = hypot(allowance[i], node);
         *to[i] = ratio(d.of[i], growth(k, v) * k->own.of[i], small);
         sum += isnan(*to[i]) ? 0 : *to[i];
         n += !isnan(*to[i]);

@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Patches of the distance transform: each of some places of one field against all of a
  * grid of places of the other, the best then moved about until nothing near is better, so
- * that the grid's coarseness does not count. */
+ * that the grid's coarseness does not count. Both ways: what is there must be the
+ * exemplar's, and what the exemplar has must be there.
+ * @source Simakov, Caspi, Shechtman, Irani: Summarizing visual data using bidirectional
+ *   similarity, CVPR 2008 */
 #include "base/rng.h"
 #include "curves/curve_statistics.h"
 
 enum {
     SIDE = 8,
     VALUES = SIDE * SIDE,
-    QUERIES = 256,
+    QUERIES = 128,
     MOST_PLACES = 4096,
-    MOST_TRIES = 64
+    MOST_TRIES = 64,
+    FEW = 4 /* places of the grid that are looked about */
 };
 
 typedef struct search {
@@ -99,20 +103,12 @@ static tz_status fill_grid(search *k, tz_linework_window w)
     return s;
 }
 
-static tz_status find(tz_ctx *ctx, void *arg, int64_t i, int worker)
+/* The best near a place of the grid. */
+static float refine(const search *k, const float *wanted, tz_vec2 at, float best)
 {
-    search *k = arg;
-    const float *wanted = k->wanted + i * VALUES;
-    float best = INFINITY, value[VALUES];
-    tz_vec2 at = {0, 0};
-    (void)ctx, (void)worker;
-    for (int32_t j = 0; j < k->n; j++) {
-        const float d = apart(wanted, k->value + (size_t)j * VALUES);
-        if (d < best)
-            best = d, at = k->at[j];
-    }
     double step = k->step / 2;
-    for (int tries = 0; tries < MOST_TRIES && step > 0.2 * k->r->pixel; tries++) {
+    float value[VALUES];
+    for (int tries = 0; tries < MOST_TRIES && step > 0.03 * k->r->pixel; tries++) {
         tz_vec2 to = at;
         for (int m = 0; m < 9; m++) {
             const tz_vec2 p = {at.x + (m % 3 - 1) * step, at.y + (m / 3 - 1) * step};
@@ -125,14 +121,37 @@ static tz_status find(tz_ctx *ctx, void *arg, int64_t i, int worker)
             step /= 2;
         at = to;
     }
+    return best;
+}
+
+static tz_status find(tz_ctx *ctx, void *arg, int64_t i, int worker)
+{
+    search *k = arg;
+    const float *wanted = k->wanted + i * VALUES;
+    float near[FEW], best = INFINITY;
+    tz_vec2 at[FEW] = {{0, 0}};
+    int32_t n = 0;
+    (void)ctx, (void)worker;
+    for (int32_t j = 0; j < k->n; j++) {
+        const float d = apart(wanted, k->value + (size_t)j * VALUES);
+        if (n == FEW && !(d < near[n - 1]))
+            continue;
+        int32_t m = n < FEW ? n++ : n - 1;
+        for (; m > 0 && d < near[m - 1]; m--)
+            near[m] = near[m - 1], at[m] = at[m - 1];
+        near[m] = d, at[m] = k->at[j];
+    }
+    for (int32_t j = 0; j < n; j++)
+        best = fminf(best, refine(k, wanted, at[j], near[j]));
     k->best[i] = sqrt((double)best / VALUES);
     return TZ_OK;
 }
 
-tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_raster *a,
-                              tz_linework_window wa, const tz_linework_field *fb,
-                              const tz_linework_raster *b, tz_linework_window wb,
-                              double *out)
+/* Patches of `a` at random, each against the most alike of `b`. */
+static tz_status one_way(const tz_linework_field *fa, const tz_linework_raster *a,
+                         tz_linework_window wa, const tz_linework_field *fb,
+                         const tz_linework_raster *b, tz_linework_window wb,
+                         int32_t places, double *out)
 {
     const double patch = fb->scale.patch, unit = fb->scale.unit;
     const tz_linework_window ra = room(fa, a, wa, patch), rb = room(fb, b, wb, patch);
@@ -145,7 +164,7 @@ tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_ras
           rb.hi.y > rb.lo.y))
         return TZ_OK;
     /* as fine for a part as for the whole */
-    k.step = fmax(unit / 2, sqrt(all / MOST_PLACES));
+    k.step = fmax(unit / 4, sqrt(all / places));
     tz_status s = fill_grid(&k, rb);
     if (s == TZ_OK)
         s = tz_alloc(fa->ctx, &k.wanted, (size_t)QUERIES * VALUES, sizeof *k.wanted);
@@ -173,4 +192,25 @@ done:
     tz_free(fa->ctx, k.wanted);
     tz_free(fa->ctx, k.best);
     return s;
+}
+
+tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_raster *a,
+                              tz_linework_window wa, const tz_linework_field *fb,
+                              const tz_linework_raster *b, tz_linework_window wb,
+                              double *out)
+{
+    const double area_a = fa->domain.size.x * fa->domain.size.y,
+                 area_b = fb->domain.size.x * fb->domain.size.y;
+    double there = NAN, back = NAN;
+    *out = NAN;
+    const tz_status s = one_way(fa, a, wa, fb, b, wb, MOST_PLACES, &there);
+    if (s != TZ_OK)
+        return s;
+    /* of a larger field as many as are of the other in the same area, in bounds */
+    const double more = fmin(4, fmax(1, area_a / area_b));
+    const tz_status t =
+        one_way(fb, b, wb, fa, a, wa, (int32_t)(MOST_PLACES * more), &back);
+    if (t == TZ_OK && !isnan(there) && !isnan(back))
+        *out = (there + back) / 2;
+    return t;
 }

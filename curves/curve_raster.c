@@ -140,36 +140,51 @@ static tz_status find_cells(const painter *k, int32_t *stack)
     return s;
 }
 
+/* How much of a cell's box lies in the window. */
+static double overlap(const tz_linework_cell *c, const tz_linework_window *w)
+{
+    const double x = fmin(c->hi.x, w->hi.x) - fmax(c->lo.x, w->lo.x),
+                 y = fmin(c->hi.y, w->hi.y) - fmax(c->lo.y, w->lo.y);
+    return x > 0 && y > 0 ? x * y / ((c->hi.x - c->lo.x) * (c->hi.y - c->lo.y)) : 0;
+}
+
+static void add_cell(double *share, double at, double weight)
+{
+    const double low = floor(fmin(fmax(at, 0), TZ_LINEWORK_AREAS - 1));
+    const double t = fmin(fmax(at - low, 0), 1);
+    share[(int32_t)low] += weight * (1 - t);
+    if (low + 1 < TZ_LINEWORK_AREAS)
+        share[(int32_t)low + 1] += weight * t;
+}
+
 void tz_linework_cells_of(const tz_linework_field *f, const tz_linework_raster *r,
                           tz_linework_window w, tz_vec2 widest,
                           double share[TZ_LINEWORK_AREAS])
 {
     const double unit = f->scale.unit;
+    double all = 0;
     w.lo = (tz_vec2){fmax(w.lo.x, r->origin.x), fmax(w.lo.y, r->origin.y)};
     w.hi = (tz_vec2){fmin(w.hi.x, r->origin.x + r->width * r->pixel),
                      fmin(w.hi.y, r->origin.y + r->height * r->pixel)};
     const double x = w.hi.x - w.lo.x, y = w.hi.y - w.lo.y;
-    double area = x * y;
-    if (f->domain.region)
-        area *= fmin(1, f->domain.region->area / (f->domain.size.x * f->domain.size.y));
     memset(share, 0, TZ_LINEWORK_AREAS * sizeof *share);
     for (int32_t i = 0; i < r->cell.n; i++) {
         const tz_linework_cell *c = &r->cell.v[i];
         const double cx = c->hi.x - c->lo.x, cy = c->hi.y - c->lo.y;
-        if (c->cut || c->lo.x <= w.lo.x || c->lo.y <= w.lo.y || c->hi.x >= w.hi.x ||
-            c->hi.y >= w.hi.y || cx > 0.7 * widest.x || cy > 0.7 * widest.y)
+        if (cx > 0.7 * widest.x || cy > 0.7 * widest.y) {
+            all += c->area * overlap(c, &w);
             continue;
-        const double weight =
-            area > 0 ? c->area / area * x * y / ((x - cx) * (y - cy)) : 0;
-        const double at = 2 * log2(c->area / (unit * unit)) + 0.5 * TZ_LINEWORK_AREAS;
-        const double low = floor(fmin(fmax(at, 0), TZ_LINEWORK_AREAS - 1));
-        const double t = fmin(fmax(at - low, 0), 1);
-        share[(int32_t)low] += weight * (1 - t);
-        if (low + 1 < TZ_LINEWORK_AREAS)
-            share[(int32_t)low + 1] += weight * t;
+        }
+        if (c->cut || c->lo.x < w.lo.x || c->lo.y < w.lo.y || c->hi.x > w.hi.x ||
+            c->hi.y > w.hi.y)
+            continue;
+        const double weight = c->area * x * y / ((x - cx) * (y - cy));
+        add_cell(share, 2 * log2(c->area / (unit * unit)) + 0.5 * TZ_LINEWORK_AREAS,
+                 weight);
+        all += weight;
     }
-    for (int k = 1; k < TZ_LINEWORK_AREAS; k++)
-        share[k] += share[k - 1];
+    for (int k = 0; k < TZ_LINEWORK_AREAS; k++)
+        share[k] = (all > 0 ? share[k] / all : 0) + (k > 0 ? share[k - 1] : 0);
 }
 
 /* ---- distances ---------------------------------------------------------------------- */

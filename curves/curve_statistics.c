@@ -139,6 +139,17 @@ static double depth(const tz_domain *d, tz_vec2 p)
     return d->region ? fmin(r, tz_region_distance(d->region, (tz_vec3){p.x, p.y, 0})) : r;
 }
 
+/* In the rectangle, whose left and upper border belong to it, also after rounding: what is
+ * drawn along the borders of a tile counts once. */
+static bool is_inside(const tz_linework_field *f, tz_vec2 p)
+{
+    const double e = TZ_LINEWORK_ROUNDING * f->scale.unit;
+    return p.x >= -e && p.y >= -e && p.x < f->domain.size.x - e &&
+           p.y < f->domain.size.y - e &&
+           (!f->domain.region ||
+            tz_region_distance(f->domain.region, (tz_vec3){p.x, p.y, 0}) > 0);
+}
+
 static tz_status add_chord(builder *b, tz_vec2 p, tz_vec2 q)
 {
     tz_linework_field *f = b->f;
@@ -187,8 +198,9 @@ static tz_status add_piece_chords(builder *b, int32_t piece, bool back)
 /* Whether an edge that comes to this node ends there; not where the domain cuts it. */
 static bool ends_at(const builder *b, int32_t node)
 {
-    const double least = b->degree[node] == 1 ? BORDER * b->f->scale.unit : 0;
-    return depth(&b->f->domain, b->set.node.v[node]) > least;
+    const tz_vec2 p = b->set.node.v[node];
+    return b->degree[node] == 1 ? depth(&b->f->domain, p) > BORDER * b->f->scale.unit
+                                : is_inside(b->f, p);
 }
 
 /* The edge that leaves `node` by that end of a piece. */
@@ -339,7 +351,7 @@ static tz_status add_turns(builder *b, double step)
             t.angle[k] = (float)turn_at(l, along, b->f->scale.lag[k]);
             any |= !isnan(t.angle[k]);
         }
-        if (any && depth(&b->f->domain, t.at) > 0)
+        if (any && is_inside(b->f, t.at))
             s = tz_array_push(b->ctx, &b->f->turn, t);
     }
     return s;
@@ -361,7 +373,7 @@ static tz_status add_corners(builder *b)
             continue;
         const double turn = turn_at(l, along, near);
         if (!(turn > TZ_PI / 9) || turn < CORNER_SAME * turn_at(l, along, far) ||
-            depth(&b->f->domain, l->point.v[i]) <= 0)
+            !is_inside(b->f, l->point.v[i]))
             continue;
         first = first < 0 ? along : first;
         last = along;

@@ -24,6 +24,9 @@ enum {
     TZ_LINEWORK_SIDE = 2048  /**< most pixels a side of rasters */
 };
 
+#define TZ_LINEWORK_ROUNDING \
+    1e-4 /**< units: a window reaches so far to the left and up */
+
 /** What sets that are compared are measured by. */
 typedef struct tz_linework_scale {
     double unit;  /**< area over length: as far as parallel lines of that density are
@@ -129,17 +132,17 @@ typedef struct tz_linework_raster {
 tz_status tz_linework_raster_init(const tz_linework_field *f, tz_linework_raster *r);
 void tz_linework_raster_deinit(tz_linework_raster *r); /**< takes zeroed */
 
-/** Share of the window's area that lies in cells of up to (k + 1) half doublings of area.
- * Cells as wide as 0.7 of `widest` are not looked at; those that the window cuts are made
- * up for by the weight of those that it could have cut.
+/** Share of the area that lies in cells of up to (k + 1) half doublings of area. Cells
+ * wider than 0.7 of `widest` count as endless; of the others those that the window cuts are
+ * made up for by the weight of those that it could have cut.
  * @source Miles 1974, Lantuejoul 1980: area over that of the places where the box fits */
 void tz_linework_cells_of(const tz_linework_field *f, const tz_linework_raster *r,
                           tz_linework_window w, tz_vec2 widest,
                           double share[TZ_LINEWORK_AREAS]);
 
-/** Mean over places of `a` of the root mean square difference between the patch of
- * distances there and the most alike one of `b`, in units of the scale; NAN where no patch
- * fits in. With frames patches are turned. */
+/** Root mean square difference between a patch of distances of one and the most alike one
+ * of the other, mean over places of both, in units of the scale; NAN where no patch fits
+ * in. With frames patches are turned. */
 tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_raster *a,
                               tz_linework_window wa, const tz_linework_field *fb,
                               const tz_linework_raster *b, tz_linework_window wb,

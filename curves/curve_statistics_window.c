@@ -173,7 +173,9 @@ void tz_linework_statistics_of(const tz_linework_field *f, tz_linework_window w,
                                tz_linework_statistics *out)
 {
     risk r = {.step = f->scale.way / TZ_LINEWORK_WAYS};
+    const double e = TZ_LINEWORK_ROUNDING * f->scale.unit;
     *out = (tz_linework_statistics){.area = area_of(f, &w)};
+    w = (tz_linework_window){{w.lo.x - e, w.lo.y - e}, {w.hi.x - e, w.hi.y - e}};
     for (int32_t i = 0; i < f->edge.n; i++)
         walk_edge(f, &f->edge.v[i], &w, &r, out);
     survive(&r, out->survival);
