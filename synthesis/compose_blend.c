@@ -26,7 +26,7 @@
 
 #include "synthesis/compose_internal.h"
 
-enum { COARSE_STEPS = 24, FINE_STEPS = 6 };
+enum { COARSE_STEPS = TZ_COARSE_STEPS, FINE_STEPS = TZ_FINE_STEPS };
 
 void tz_piece_low(const tz_composer *c, int32_t id, int level, double px, double py,
                   float *out)
@@ -43,13 +43,13 @@ void tz_piece_low(const tz_composer *c, int32_t id, int level, double px, double
     }
 }
 
-static tz_status reserve(tz_ctx *ctx, const tz_composer *c, tz_correction *g)
+tz_status tz_correction_reserve(tz_ctx *ctx, tz_correction *g, int32_t step)
 {
     const size_t nodes = (size_t)g->nx * (size_t)g->ny;
     if (nodes <= g->cap)
         return TZ_OK;
     tz_correction_deinit(ctx, g);
-    const size_t floats = nodes * (size_t)c->step;
+    const size_t floats = nodes * (size_t)step;
     tz_status s = tz_alloc(ctx, &g->label, nodes, sizeof *g->label);
     if (s == TZ_OK)
         s = tz_alloc(ctx, &g->c, floats, sizeof *g->c);
@@ -137,11 +137,11 @@ static void relax(const tz_correction *g, int32_t step, float pull, const float 
     }
 }
 
-static void iterate(const tz_composer *c, tz_correction *g, int32_t steps)
+void tz_correction_iterate(tz_correction *g, int32_t step, double decay, int32_t steps)
 {
-    const double r = g->spacing / c->params.decay;
+    const double r = g->spacing / decay;
     for (int32_t k = 0; k < steps; k++) {
-        relax(g, c->step, (float)(r * r), g->c, g->spare);
+        relax(g, step, (float)(r * r), g->c, g->spare);
         float *t = g->c;
         g->c = g->spare;
         g->spare = t;
@@ -213,8 +213,7 @@ static int64_t floor_to(int64_t x, int64_t unit)
     return q * unit;
 }
 
-/* Grid that holds r with `margin` whole nodes around it. */
-static void span(tz_correction *g, tz_rect r, int32_t spacing, int32_t margin)
+void tz_correction_span(tz_correction *g, tz_rect r, int32_t spacing, int32_t margin)
 {
     g->spacing = spacing;
     g->x0 = floor_to((int64_t)r.x - spacing / 2, spacing) - (int64_t)margin * spacing;
@@ -230,7 +229,7 @@ static void span(tz_correction *g, tz_rect r, int32_t spacing, int32_t margin)
 static tz_status prepare(tz_ctx *ctx, const tz_composer *c, tz_correction *g,
                          tz_label_scratch *scratch)
 {
-    tz_status s = reserve(ctx, c, g);
+    tz_status s = tz_correction_reserve(ctx, g, c->step);
     if (s == TZ_OK)
         s = tz_label_grid(ctx, c, g->x0, g->y0, g->spacing, g->nx, g->ny, g->label,
                           scratch);
@@ -243,17 +242,17 @@ tz_status tz_correction_coarse(tz_ctx *ctx, const tz_composer *c, tz_rect r,
                                tz_correction *coarse, tz_label_scratch *scratch)
 {
     tz_correction fine;
-    span(&fine, r, TZ_FINE, FINE_STEPS + 1);
+    tz_correction_span(&fine, r, TZ_FINE, FINE_STEPS + 1);
     const tz_rect inner = {(int32_t)fine.x0, (int32_t)fine.y0, fine.nx * TZ_FINE,
                            fine.ny * TZ_FINE};
-    span(coarse, inner, TZ_COARSE, COARSE_STEPS + 1);
+    tz_correction_span(coarse, inner, TZ_COARSE, COARSE_STEPS + 1);
     coarse->level = 0;
     const tz_status s = prepare(ctx, c, coarse, scratch);
     if (s != TZ_OK)
         return s;
     memset(coarse->c, 0,
            (size_t)coarse->nx * (size_t)coarse->ny * (size_t)c->step * sizeof *coarse->c);
-    iterate(c, coarse, COARSE_STEPS);
+    tz_correction_iterate(coarse, c->step, c->params.decay, COARSE_STEPS);
     return TZ_OK;
 }
 
@@ -261,12 +260,12 @@ tz_status tz_correction_fine(tz_ctx *ctx, const tz_composer *c, tz_rect r,
                              const tz_correction *coarse, tz_correction *fine,
                              tz_label_scratch *scratch)
 {
-    span(fine, r, TZ_FINE, FINE_STEPS + 1);
+    tz_correction_span(fine, r, TZ_FINE, FINE_STEPS + 1);
     fine->level = 1;
     const tz_status s = prepare(ctx, c, fine, scratch);
     if (s != TZ_OK)
         return s;
     prolong(c, coarse, fine);
-    iterate(c, fine, FINE_STEPS);
+    tz_correction_iterate(fine, c->step, c->params.decay, FINE_STEPS);
     return TZ_OK;
 }

@@ -48,10 +48,13 @@ typedef struct tz_source_plane {
         hi[TZ_IMAGE_MAX_CHANNELS]; /**< range of each channel */
 } tz_source_plane;
 
-#define TZ_SOURCE_PAD 4
+#define TZ_SOURCE_PAD   4
 /** Grid spacings of the seam solve, px, coarse first. */
-#define TZ_COARSE     16
-#define TZ_FINE       4
+#define TZ_COARSE       16
+#define TZ_FINE         4
+/** Jacobi steps on each. */
+#define TZ_COARSE_STEPS 24
+#define TZ_FINE_STEPS   6
 
 tz_status tz_source_plane_init(tz_ctx *ctx, tz_source_plane *s, const tz_image *photo,
                                int32_t width, int32_t height, bool data, bool spline);
@@ -63,6 +66,10 @@ void tz_source_low(const tz_source_plane *s, int level, double px, double py, fl
  * px). `exact` = inv is a translation by whole pixels. */
 void tz_source_row(const tz_source_plane *s, tz_affine inv, bool exact, int64_t x,
                    int64_t y, int32_t n, float *out);
+
+/** Samples at n source points (photo px of the layout's size), by the spline. */
+void tz_source_points(const tz_source_plane *s, const double *u, const double *v,
+                      int32_t n, float *out);
 
 /* ---- labels --------------------------------------------------------------------- */
 
@@ -152,6 +159,12 @@ tz_status tz_correction_fine(tz_ctx *ctx, const tz_composer *c, tz_rect r,
                              const tz_correction *coarse, tz_correction *fine,
                              tz_label_scratch *scratch);
 void tz_correction_deinit(tz_ctx *ctx, tz_correction *g);
+/** Grid that holds r with `margin` whole nodes around it. */
+void tz_correction_span(tz_correction *g, tz_rect r, int32_t spacing, int32_t margin);
+/** Room for its nodes, of `step` floats each. */
+tz_status tz_correction_reserve(tz_ctx *ctx, tz_correction *g, int32_t step);
+/** Jacobi steps of g->c under g->jump: see compose_blend.c. */
+void tz_correction_iterate(tz_correction *g, int32_t step, double decay, int32_t steps);
 /** Correction of label `id` at node (i, j): the node's own if the labels agree, else
  * continued through the smooth target image. */
 void tz_correction_node(const tz_composer *c, const tz_correction *g, int32_t i,

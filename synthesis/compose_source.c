@@ -66,6 +66,16 @@ typedef struct row_map {
     const float *origin;
 } row_map;
 
+/* Weights of four taps at a fraction of a texel. */
+static inline __attribute__((always_inline)) void weigh(float f, float *w)
+{
+    const float g = 1 - f, sixth = 1.0F / 6, f2 = f * f, g2 = g * g;
+    w[0] = sixth * g2 * g;
+    w[1] = 2.0F / 3 - 0.5F * f2 * (2 - f);
+    w[2] = 2.0F / 3 - 0.5F * g2 * (2 - g);
+    w[3] = sixth * f2 * f;
+}
+
 /* Taps of a run of pixels. */
 enum { RUN = 32 };
 
@@ -95,13 +105,8 @@ find_taps(const tz_source_plane *s, const row_map *m, int64_t x, int32_t n, taps
                 t->i[axis][k]--;
             }
         }
-        for (int32_t k = 0; k < n; k++) {
-            const float g = 1 - f[k], sixth = 1.0F / 6, f2 = f[k] * f[k], g2 = g * g;
-            t->w[axis][k][0] = sixth * g2 * g;
-            t->w[axis][k][1] = 2.0F / 3 - 0.5F * f2 * (2 - f[k]);
-            t->w[axis][k][2] = 2.0F / 3 - 0.5F * g2 * (2 - g);
-            t->w[axis][k][3] = sixth * f2 * f[k];
-        }
+        for (int32_t k = 0; k < n; k++)
+            weigh(f[k], t->w[axis][k]);
     }
 }
 
@@ -181,24 +186,49 @@ static inline __attribute__((always_inline)) void lanes_run(const tz_source_plan
 }
 
 static inline __attribute__((always_inline)) void
+run_body(const tz_source_plane *s, const row_map *m, const taps *t, int32_t n, float *out)
+{
+    for (int32_t i = 0; i < n; i++) { /* a turned row meets ever new lines */
+        const float *p =
+            m->origin + t->i[1][i] * s->stride + (int64_t)t->i[0][i] * s->step;
+        __builtin_prefetch(p);
+        __builtin_prefetch(p + 3 * s->stride);
+    }
+    if (s->step == 4)
+        colour_run(s, m, t, n, out);
+    else if (s->step == 1)
+        grey_run(s, m, t, n, out);
+    else
+        lanes_run(s, m, t, n, out);
+}
+
+static inline __attribute__((always_inline)) void
+points_body(const tz_source_plane *s, const row_map *m, const double *u, const double *v,
+            int32_t n, float *out)
+{
+    taps t;
+    for (int32_t from = 0; from < n; from += RUN, out += RUN * s->step) {
+        const int32_t run = n - from < RUN ? n - from : RUN;
+        for (int axis = 0; axis < 2; axis++)
+            for (int32_t k = 0; k < run; k++) {
+                float f;
+                locate(axis ? v[from + k] * s->sy : u[from + k] * s->sx,
+                       axis ? s->height : s->width, &t.i[axis][k], &f);
+                t.i[axis][k]--;
+                weigh(f, t.w[axis][k]);
+            }
+        run_body(s, m, &t, run, out);
+    }
+}
+
+static inline __attribute__((always_inline)) void
 spline_row_body(const tz_source_plane *s, const row_map *m, int32_t n, float *out)
 {
     taps t;
     for (int32_t from = 0; from < n; from += RUN, out += RUN * s->step) {
         const int32_t run = n - from < RUN ? n - from : RUN;
         find_taps(s, m, m->x + from, run, &t);
-        for (int32_t i = 0; i < run; i++) { /* a turned row meets ever new lines */
-            const float *p =
-                m->origin + t.i[1][i] * s->stride + (int64_t)t.i[0][i] * s->step;
-            __builtin_prefetch(p);
-            __builtin_prefetch(p + 3 * s->stride);
-        }
-        if (s->step == 4)
-            colour_run(s, m, &t, run, out);
-        else if (s->step == 1)
-            grey_run(s, m, &t, run, out);
-        else
-            lanes_run(s, m, &t, run, out);
+        run_body(s, m, &t, run, out);
     }
 }
 
@@ -215,6 +245,36 @@ spline_row_avx2(const tz_source_plane *s, const row_map *m, int32_t n, float *ou
     spline_row_body(s, m, n, out);
 }
 #endif
+
+static void points_plain(const tz_source_plane *s, const row_map *m, const double *u,
+                         const double *v, int32_t n, float *out)
+{
+    points_body(s, m, u, v, n, out);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void points_avx2(const tz_source_plane *s,
+                                                        const row_map *m, const double *u,
+                                                        const double *v, int32_t n,
+                                                        float *out)
+{
+    points_body(s, m, u, v, n, out);
+}
+#endif
+
+void tz_source_points(const tz_source_plane *s, const double *u, const double *v,
+                      int32_t n, float *out)
+{
+    const row_map m = {.origin =
+                           s->spline + s->pad * s->stride + (int64_t)s->pad * s->step};
+#if defined(__x86_64__)
+    if (s->wide) {
+        points_avx2(s, &m, u, v, n, out);
+        return;
+    }
+#endif
+    points_plain(s, &m, u, v, n, out);
+}
 
 static void spline_row(const tz_source_plane *s, const row_map *m, int32_t n, float *out)
 {

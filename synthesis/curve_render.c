@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "synthesis/curve_render_internal.h"
+#include "synthesis/curve_strip_internal.h"
 
 static const tz_param rows[] = {
     {"curve-resolution", TZ_PARAM_DOUBLE, offsetof(tz_curve_render_params, scale), 1e-6,
@@ -36,7 +36,9 @@ struct tz_curve_composer {
     tz_element_composer *ground;  /* NULL = none */
     tz_element_renderer *beneath; /* the background's drawing; NULL = none */
     tz_element_renderer *things;  /* NULL = none */
+    bool photo;                   /* lines are shown in their photo's pixels */
     tz_curve_lines lines;         /* of strokes */
+    tz_strips strips;             /* of a photo */
     tz_image like;                /* 1 x 1 */
     tz_ctx *ctx;
 };
@@ -88,18 +90,65 @@ static tz_status make_elements(tz_ctx *ctx, tz_curve_composer *c,
     return s;
 }
 
+/* What lines show of the photo. */
+static const tz_image *shown(const tz_element_pixels *photo)
+{
+    return photo->map ? photo->map : photo->photo;
+}
+
+/* Whether the photo is shown, and whether it fits. */
+static tz_status settle_source(tz_ctx *ctx, tz_curve_composer *c,
+                               const tz_element_pixels *photo)
+{
+    const bool there = photo && photo->photo;
+    c->photo = c->params.source == 2 || (c->params.source == 0 && there);
+    if (!c->photo)
+        return TZ_OK;
+    if (!there)
+        return tz_fail(ctx, TZ_INVALID,
+                       "layout: its lines are to be shown in the pixels of their photo, "
+                       "which was not given; give it, or draw strokes");
+    const tz_image *im = photo->photo, *map = shown(photo);
+    const double sx = (double)map->width / im->width,
+                 sy = (double)map->height / im->height;
+    if (fabs(sx - sy) * (im->width > im->height ? im->width : im->height) > 1.5)
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: the map is %d x %d px, the photo %d x %d; resize it to "
+                       "the same proportions",
+                       map->width, map->height, im->width, im->height);
+    if (c->set->element.photo.n > 0 && c->set->element.photo.v[0].width > 0 &&
+        (c->set->element.photo.v[0].width != im->width ||
+         c->set->element.photo.v[0].height != im->height))
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: the photo is %d x %d px, but the lines were found in one "
+                       "of %d x %d; use that",
+                       im->width, im->height, c->set->element.photo.v[0].width,
+                       c->set->element.photo.v[0].height);
+    if (c->kind == TZ_MAP_NORMAL && tz_photo_colours(map) != 3)
+        return tz_fail(ctx, TZ_INVALID, "render: a map of normals needs three channels");
+    return TZ_OK;
+}
+
 /* Channels of what is made. */
-static tz_status make_like(tz_ctx *ctx, tz_curve_composer *c)
+static tz_status make_like(tz_ctx *ctx, tz_curve_composer *c,
+                           const tz_element_pixels *photo)
 {
     const bool opaque = (c->set->background & 255) == 255 && c->kind == TZ_MAP_COLOUR;
+    const int32_t colours = c->photo ? tz_photo_colours(shown(photo)) : 3;
+    const bool alpha = c->photo || !opaque;
     tz_status s = c->ground ? tz_element_composer_image(ctx, c->ground, 1, 1, &c->like)
-                            : tz_image_init(ctx, &c->like, 1, 1, opaque ? 3 : 4);
+                            : tz_image_init(ctx, &c->like, 1, 1, colours + alpha);
     if (s != TZ_OK)
         return s;
     if (!c->ground) {
-        c->like.alpha = opaque ? -1 : 3;
+        c->like.alpha = alpha ? colours : -1;
         c->like.encoding = c->kind == TZ_MAP_COLOUR ? TZ_ENCODING_SRGB : TZ_ENCODING_DATA;
-        c->like.depth = 8;
+        c->like.depth = c->photo ? shown(photo)->depth : 8;
+    } else if (c->photo && shown(photo)->channels != c->like.channels) {
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: the photo of the lines has %d channels, that of the "
+                       "ground %d; convert one",
+                       (int)shown(photo)->channels, (int)c->like.channels);
     }
     c->colours = tz_photo_colours(&c->like);
     const int32_t things =
@@ -136,10 +185,16 @@ tz_status tz_curve_composer_new(tz_ctx *ctx, const tz_element_ground *ground,
     if (s == TZ_OK && photos && photo)
         photos[0] = *photo;
     if (s == TZ_OK)
+        s = settle_source(ctx, c, photo);
+    if (s == TZ_OK)
         s = make_elements(ctx, c, ground, photos);
     if (s == TZ_OK)
-        s = make_like(ctx, c);
-    if (s == TZ_OK && kind == TZ_MAP_COLOUR)
+        s = make_like(ctx, c, photo);
+    if (s == TZ_OK && c->photo)
+        s = tz_strips_init(ctx, set, &c->canvas, photo->photo, shown(photo),
+                           c->ground ? tz_element_composer_ground(c->ground) : NULL, kind,
+                           c->params.strip, &c->strips);
+    if (s == TZ_OK && !c->photo && kind == TZ_MAP_COLOUR)
         s = tz_curve_lines_init(ctx, set, &c->canvas, c->params.width, &c->lines);
     tz_free(ctx, photos);
     if (s == TZ_OK)
@@ -157,6 +212,7 @@ void tz_curve_composer_free(tz_curve_composer *c)
     tz_element_renderer_free(c->beneath);
     tz_element_renderer_free(c->things);
     tz_curve_lines_deinit(c->ctx, &c->lines);
+    tz_strips_deinit(c->ctx, &c->strips);
     tz_image_deinit(&c->like);
     tz_free(c->ctx, c);
 }
@@ -248,6 +304,60 @@ static tz_status strokes(tz_ctx *ctx, const tz_curve_composer *c, tz_rect rect,
     return s;
 }
 
+/* ---- photo ----------------------------------------------------------------------------- */
+
+typedef struct strip_job {
+    const tz_curve_composer *c;
+    tz_rect rect;
+    tz_image *out;
+    int32_t block, bx; /* side of a block, px; blocks in a row */
+    tz_strip_work *work;
+} strip_job;
+
+/* Tiles that share one coarse grid. */
+static tz_status strip_task(tz_ctx *ctx, void *arg, int64_t index, int worker)
+{
+    const strip_job *b = arg;
+    tz_strip_work *w = &b->work[worker];
+    const int32_t x0 = b->rect.x + (int32_t)(index % b->bx) * b->block,
+                  y0 = b->rect.y + (int32_t)(index / b->bx) * b->block;
+    const tz_rect block =
+        tz_rect_intersect(b->rect, (tz_rect){x0, y0, b->block, b->block});
+    tz_status s = tz_strip_coarse(ctx, &b->c->strips, block, w);
+    for (int32_t y = 0; y < block.h && s == TZ_OK; y += TZ_CURVE_TILE)
+        for (int32_t x = 0; x < block.w && s == TZ_OK; x += TZ_CURVE_TILE) {
+            const tz_rect tile = tz_rect_intersect(
+                block, (tz_rect){x0 + x, y0 + y, TZ_CURVE_TILE, TZ_CURVE_TILE});
+            s = tz_ctx_cancelled(ctx)
+                    ? TZ_CANCELLED
+                    : tz_strip_tile(ctx, &b->c->strips, tile, b->rect, b->out, w);
+            tz_progress_add(ctx, (int64_t)tile.w * tile.h);
+        }
+    return s;
+}
+
+static tz_status strips(tz_ctx *ctx, const tz_curve_composer *c, tz_rect rect,
+                        tz_image *out)
+{
+    const int32_t tile = TZ_CURVE_TILE;
+    const int workers = tz_ctx_threads(ctx);
+    strip_job b = {c, rect, out, tile, (rect.w + tile - 1) / tile, NULL};
+    int64_t blocks = (int64_t)b.bx * ((rect.h + tile - 1) / tile);
+    while (b.block < 4 * tile && blocks / 4 >= 2 * (int64_t)workers) {
+        b.block *= 2;
+        b.bx = (rect.w + b.block - 1) / b.block;
+        blocks = (int64_t)b.bx * ((rect.h + b.block - 1) / b.block);
+    }
+    tz_status s = tz_alloc_zero(ctx, &b.work, (size_t)workers, sizeof *b.work);
+    if (s != TZ_OK)
+        return s;
+    s = tz_parallel_for(ctx, blocks, strip_task, &b);
+    for (int k = 0; k < workers; k++)
+        tz_strip_work_deinit(ctx, &b.work[k]);
+    tz_free(ctx, b.work);
+    return s;
+}
+
 static tz_status check_rect(tz_ctx *ctx, const tz_curve_composer *c, tz_rect rect)
 {
     const tz_rect all = {0, 0, c->canvas.width, c->canvas.height},
@@ -271,11 +381,13 @@ tz_status tz_curve_composer_render(tz_ctx *ctx, const tz_curve_composer *c, tz_r
         return tz_fail(ctx, TZ_INVALID,
                        "render: output image has another size than the crop");
     out->encoding = c->like.encoding;
-    if (c->ground)
+    if (c->photo)
+        s = strips(ctx, c, rect, out);
+    else if (c->ground)
         s = tz_element_composer_render(ctx, c->ground, rect, out);
     else
         fill(c, out);
-    if (s == TZ_OK && c->beneath)
+    if (s == TZ_OK && c->beneath && !c->photo)
         s = tz_element_renderer_render(ctx, c->beneath, rect, out);
     if (s == TZ_OK && c->lines.line.n)
         s = strokes(ctx, c, rect, out);

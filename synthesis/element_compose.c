@@ -116,6 +116,11 @@ const tz_element_renderer *tz_element_composer_renderer(const tz_element_compose
     return c->things;
 }
 
+const tz_composer *tz_element_composer_ground(const tz_element_composer *c)
+{
+    return c->ground;
+}
+
 tz_status tz_element_composer_image(tz_ctx *ctx, const tz_element_composer *c,
                                     int32_t width, int32_t height, tz_image *im)
 {

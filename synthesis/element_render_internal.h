@@ -332,6 +332,10 @@ static inline bool tz_symbol_cut(const tz_element_symbol *y)
 tz_status tz_showing_index_init(tz_ctx *ctx, tz_element_renderer *r);
 void tz_showing_index_deinit(tz_ctx *ctx, tz_showing_index *ix);
 
+struct tz_element_composer;
+/** What renders its ground, on the canvas of the elements; NULL = none. */
+const tz_composer *tz_element_composer_ground(const struct tz_element_composer *c);
+
 /** Rows of a strip of rect that leave room in the context's budget. */
 int32_t tz_element_strip(tz_ctx *ctx, tz_rect rect, int32_t channels);
 
