@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "analysis/lines_axis.h"
 #include "analysis/lines_fit.h"
 #include "analysis/lines_graph.h"
 #include "analysis/lines_judge.h"
@@ -33,11 +34,12 @@ const tz_param_table tz_lines_param_table = {"lines", "Finds the lines of a phot
                                              (int32_t)(sizeof rows / sizeof *rows),
                                              sizeof(tz_lines_params)};
 
-#define AREA   0.5  /* of the strength of lines: what they run through */
-#define PROOF  12   /* px of a line as strong again as it must be */
-#define LENGTH 8    /* shortest line, px */
-#define EDGE   10   /* edges weaker than that are nothing, of 100 */
-#define SURE   1.25 /* one tone has this much more proof than the other: it is alone */
+#define AREA   0.5 /* of the strength of lines: what they run through */
+#define PROOF  12  /* px of a line as strong again as it must be */
+#define LENGTH 8   /* shortest line, px */
+#define HOLE   80  /* px that no line runs around */
+#define EDGE   10  /* edges weaker than that are nothing, of 100 */
+#define SURE   1.1 /* one tone has this much more proof than the other: it is alone */
 
 /* One kind of lines. */
 typedef struct track {
@@ -86,7 +88,9 @@ static tz_status follow(search *f, track *t)
 {
     const ptrdiff_t n = (ptrdiff_t)t->field.map.width * t->field.map.height;
     const double side = f->side, length = f->p->length > 0 ? f->p->length / side : LENGTH;
-    tz_status s = tz_edge_map_detect(&t->field.map, 0, t->field.edge ? EDGE : 1);
+    tz_status s = t->field.edge ? TZ_OK : tz_line_along(f->ctx, &t->field);
+    if (s == TZ_OK)
+        s = tz_edge_map_detect(&t->field.map, 0, t->field.edge ? EDGE : 1);
     if (s != TZ_OK)
         return s;
     t->tidy.low = tz_line_part(&t->field) * exp2(4 * (f->p->strength - 0.5));
@@ -94,7 +98,9 @@ static tz_status follow(search *f, track *t)
     t->tidy.proof = PROOF * t->tidy.low;
     for (ptrdiff_t i = 0; i < n; i++)
         t->field.map.on[i] = t->field.map.response[i] >= AREA * t->tidy.low;
-    s = tz_edge_map_thin(&t->field.map);
+    s = tz_line_fill_holes(&t->field, HOLE);
+    if (s == TZ_OK)
+        s = tz_edge_map_thin(&t->field.map);
     if (s == TZ_OK)
         s = tz_line_graph_trace(&t->field, &t->g);
     if (s == TZ_OK)
@@ -135,7 +141,7 @@ static tz_status complete(search *f, track *t)
 
 /* ---- which kinds --------------------------------------------------------------------- */
 
-static tz_status ridges(search *f, tz_lines_verdict *v)
+static tz_status answer(search *f)
 {
     const int32_t w = f->picture.width, h = f->picture.height;
     double width[2] = {f->p->width[0] / f->side, f->p->width[1] / f->side};
@@ -144,11 +150,23 @@ static tz_status ridges(search *f, tz_lines_verdict *v)
         width[0] = 2;
         width[1] = fmin(16, fmax(4, fmin(w, h) / 32.0));
     }
-    tz_status s = tz_line_ridges(f->ctx, f->grey, w, h, width, field);
-    if (s != TZ_OK)
-        return s;
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2; k++) {
+        tz_line_field_deinit(f->ctx, &f->track[k].field);
+        tz_line_graph_deinit(&f->track[k].g);
+        f->track[k].g.ctx = f->ctx;
+    }
+    const tz_status s = tz_line_ridges(f->ctx, f->grey, w, h, width, field);
+    for (int k = 0; k < 2 && s == TZ_OK; k++)
         f->track[k].field = field[k];
+    return s;
+}
+
+/* Which tone has the lines; of both only where they are as sure, and neither is a
+ * network. */
+static tz_status ridges(search *f, tz_lines_verdict *v)
+{
+    bool changed = false;
+    tz_status s = answer(f);
     for (int k = 0; k < 2 && s == TZ_OK; k++)
         if (f->p->tone == 0 || f->p->tone == 3 || f->p->tone == k + 1)
             s = follow(f, &f->track[k]);
@@ -157,6 +175,13 @@ static tz_status ridges(search *f, tz_lines_verdict *v)
               : dark > SURE * light ? 1
               : light > SURE * dark ? 2
                                     : 3;
+    if (s == TZ_OK && v->tone < 3)
+        s = tz_line_axis(&f->track[v->tone - 1].g, &f->picture, f->grey, &changed);
+    if (s == TZ_OK && changed) {
+        s = answer(f);
+        if (s == TZ_OK)
+            s = follow(f, &f->track[v->tone - 1]);
+    }
     for (int k = 0; k < 2 && s == TZ_OK; k++)
         if (v->tone & (k + 1))
             s = complete(f, &f->track[k]);

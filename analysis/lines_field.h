@@ -47,6 +47,12 @@ void tz_line_picture_deinit(tz_line_picture *p); /**< takes zeroed */
 tz_status tz_line_ridges(tz_ctx *ctx, float *plane, int32_t w, int32_t h,
                          const double width[2], tz_line_field out[2]);
 
+/** Strengths become those along the line (lines_along.c). */
+tz_status tz_line_along(tz_ctx *ctx, tz_line_field *f);
+
+/** Marks what marked pixels enclose, up to so many pixels in one place. */
+tz_status tz_line_fill_holes(tz_line_field *f, int32_t most);
+
 /** Borders between what differs, by the forest. @param photo of w x h */
 tz_status tz_line_edges(tz_ctx *ctx, const tz_image *photo, const char *model,
                         tz_line_field *out);

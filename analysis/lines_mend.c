@@ -12,6 +12,7 @@
 
 #define NEAR    1.1  /* of the width: junctions nearer than that are one */
 #define CUT     0.7  /* of the width: cut back */
+#define RING    5    /* widths: rings no longer than that are none */
 #define DAMPING 0.05 /* keeps a junction of parallel lines in place */
 
 /* ---- near junctions ------------------------------------------------------------------ */
@@ -229,9 +230,40 @@ static tz_status straighten_all(tz_line_graph *g)
     return s;
 }
 
+/* Rings about nothing: loops, and second ways, no longer than a few widths. */
+static tz_status drop_rings(tz_line_graph *g)
+{
+    tz_line_ends ends;
+    tz_status s = tz_line_ends_init(g, &ends);
+    for (int32_t i = 0; i < g->chain.n && s == TZ_OK; i++) {
+        tz_line_chain *c = &g->chain.v[i];
+        if (c->node[0] == c->node[1])
+            c->gone |= c->length < RING * c->width;
+        if (c->gone || c->node[0] < 0 || c->node[0] == c->node[1])
+            continue;
+        for (int32_t e = ends.first[c->node[0]]; e < ends.first[c->node[0] + 1]; e++) {
+            const int32_t k = ends.end[e] >> 1;
+            tz_line_chain *d = &g->chain.v[k];
+            if (k <= i || d->gone || d->node[!(ends.end[e] & 1)] != c->node[1] ||
+                c->length + d->length > RING * fmax(c->width, d->width))
+                continue;
+            if (c->strength >= d->strength)
+                d->gone = true;
+            else
+                c->gone = true;
+        }
+    }
+    tz_line_ends_deinit(g, &ends);
+    return s;
+}
+
 tz_status tz_line_graph_mend(tz_line_graph *g)
 {
-    tz_status s = merge_near(g);
+    tz_status s = drop_rings(g);
+    if (s == TZ_OK)
+        s = tz_line_graph_rejoin(g);
+    if (s == TZ_OK)
+        s = merge_near(g);
     if (s == TZ_OK)
         s = tz_line_graph_rejoin(g);
     if (s == TZ_OK)

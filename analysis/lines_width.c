@@ -62,7 +62,7 @@ static double border(const double *v, int32_t n, int32_t from, int step, double 
 }
 
 static void gauge_point(const gauge *j, const tz_line_chain *c, const tz_line_point *p,
-                        int32_t i, tz_line_point *out)
+                        int32_t i, tz_line_point *out, double *move)
 {
     double v[MOST] = {0};
     const double reach = fmin(1.25 * p[i].width + 1.5, 0.25 * (MOST - 1));
@@ -88,6 +88,7 @@ static void gauge_point(const gauge *j, const tz_line_chain *c, const tz_line_po
                  right = border(v, n, top, 1, &fall[1]);
     const double wide = 0.5 * (right - left);
     *out = p[i];
+    *move = 0;
     out->strength = (float)fmin(fall[0], fall[1]);
     if (!(wide > 0) || !(out->strength > 0))
         return;
@@ -99,10 +100,23 @@ static void gauge_point(const gauge *j, const tz_line_chain *c, const tz_line_po
                                 0.09)));
     const double off = 0.5 * (0.5 * (left + right) - half);
     const double most = 0.35 * p[i].width;
-    const double move = off > most ? most : off < -most ? -most : off;
-    const tz_vec2 m = normal_at(p, c->n, i);
-    if (i > 0 && i < c->n - 1)
-        out->at = tz_vec2_add(p[i].at, tz_vec2_scale(m, move));
+    *move = off > most ? most : off < -most ? -most : off;
+}
+
+/* Moves, the mean over a width, so that a line does not follow its borders' grain. */
+static void centre(const tz_line_chain *c, const tz_line_point *p, const double *move,
+                   tz_line_point *fresh)
+{
+    const int32_t around = (int32_t)fmax(2, c->width);
+    for (int32_t i = 1; i < c->n - 1; i++) {
+        const int32_t most = i < c->n - 1 - i ? i : c->n - 1 - i;
+        const int32_t reach = around < most ? around : most;
+        double sum = 0;
+        for (int32_t k = i - reach; k <= i + reach; k++)
+            sum += move[k];
+        const tz_vec2 m = normal_at(p, c->n, i);
+        fresh[i].at = tz_vec2_add(p[i].at, tz_vec2_scale(m, sum / (2 * reach + 1)));
+    }
 }
 
 static tz_status gauge_chain(tz_ctx *ctx, void *arg, int64_t at, int worker)
@@ -110,17 +124,23 @@ static tz_status gauge_chain(tz_ctx *ctx, void *arg, int64_t at, int worker)
     const gauge *j = arg;
     tz_line_chain *c = &j->g->chain.v[at];
     tz_line_point *p = j->g->point.v + c->first, *fresh = NULL;
+    double *move = NULL;
     (void)worker;
     if (c->edge)
         return TZ_OK;
     tz_status s = tz_alloc(ctx, &fresh, (size_t)c->n, sizeof *fresh);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &move, (size_t)c->n, sizeof *move);
     for (int32_t i = 0; i < c->n && s == TZ_OK; i++)
-        gauge_point(j, c, p, i, &fresh[i]);
+        gauge_point(j, c, p, i, &fresh[i], &move[i]);
+    if (s == TZ_OK)
+        centre(c, p, move, fresh);
     for (int32_t i = 0; i < c->n && s == TZ_OK; i++)
         p[i] = fresh[i];
     if (s == TZ_OK)
         tz_line_chain_measure(j->g, c);
     tz_free(ctx, fresh);
+    tz_free(ctx, move);
     return s;
 }
 
