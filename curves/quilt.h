@@ -29,8 +29,9 @@ typedef struct tz_curve_quilt_job {
         *exemplar;           /**< planar, or a torus (then patches run over its border) */
     const tz_domain *domain; /**< size, torus, region, frames */
     const tz_curve_set
-        *given; /**< NULL, or what is drawn there already: it is kept as the
-                                       first patch, and nothing is laid over it */
+        *given; /**< NULL, or what is drawn there already: it stays, nothing
+                                    is laid over it, and what is laid runs up to its ends.
+                                    It is not part of the result */
     const tz_region *given_region; /**< NULL, or where `given` is complete (also where it
                                         is empty): only outside of it anything is laid */
     const tz_curve_quilt_params *params; /**< NULL = defaults */
@@ -43,8 +44,10 @@ typedef struct tz_curve_quilt_report {
     int32_t joined;    /**< of them, those that met another */
 } tz_curve_quilt_report;
 
-/** @param[out] out  curves, and discrete elements as a whole, over job->domain, with
- *   origins; overwritten, not freed; zeroed on error
+/** Lines that make up small things by themselves (strokes, wheels, hearts) and discrete
+ * elements are laid as a whole or not at all.
+ * @param[out] out  curves, and discrete elements, over job->domain, with origins;
+ *   overwritten, not freed; zeroed on error. On a torus paths may run over the border
  * @param[out] report  NULL, or what was done
  * @return TZ_OK; TZ_INVALID; TZ_LIMIT; TZ_NOMEM; TZ_CANCELLED
  * @cost linear in what is laid, times candidates */

@@ -1,0 +1,467 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Runs to paths: a run goes on in the one that its end is paired with, if their pens are
+ * the same. Nodes of the exemplar stay shared within a patch (a table finds them); on a
+ * torus a path that runs on over the border goes on outside. */
+#include <string.h>
+
+#include "curves/quilt_internal.h"
+
+typedef struct shared {
+    int32_t patch, node, sx, sy; /* shift in whole domains */
+    int32_t id;                  /* -1 = free */
+} shared;
+
+typedef struct emitting {
+    tz_ctx *ctx;
+    const quilt_source *s;
+    const quilt_map *m;
+    quilt_runs *r;
+    quilt_warp warp;
+    tz_curve_set *out;
+    shared *table;
+    uint64_t mask;
+    bool *seen;     /* runs */
+    int32_t *node;  /* per cut: node of the lower of a pair, or -1 */
+    int32_t sx, sy; /* shift of the run that is emitted */
+} emitting;
+
+/* ---- nodes -------------------------------------------------------------------------- */
+
+static tz_vec2 shifted(const emitting *e, tz_vec2 p)
+{
+    return (tz_vec2){p.x + e->sx * e->m->domain->size.x,
+                     p.y + e->sy * e->m->domain->size.y};
+}
+
+static tz_status node_of(emitting *e, int32_t patch, int32_t node, int32_t *id)
+{
+    const shared key = {patch, node, e->sx, e->sy, -1};
+    uint64_t at =
+        tz_rng_stream((uint64_t)patch, (uint64_t)node, (uint64_t)(e->sx * 8191 + e->sy)) &
+        e->mask;
+    for (;; at = (at + 1) & e->mask) {
+        shared *t = &e->table[at];
+        if (t->id < 0)
+            break;
+        if (t->patch == patch && t->node == node && t->sx == e->sx && t->sy == e->sy) {
+            *id = t->id;
+            return TZ_OK;
+        }
+    }
+    const tz_vec2 p = quilt_warp_at(
+        &e->warp, patch, quilt_place_at(&e->m->patch.v[patch], e->s->set->node.v[node]));
+    const tz_status st = tz_curve_add_node(e->out, shifted(e, p), id);
+    if (st == TZ_OK) {
+        e->table[at] = key;
+        e->table[at].id = *id;
+    }
+    return st;
+}
+
+/* On a torus the two ends of a pair may lie a domain apart: each has its node then. */
+static tz_status node_of_cut(emitting *e, int32_t cut, int32_t *id)
+{
+    const int32_t mate = e->r->cut.v[cut].mate;
+    const int32_t key = mate >= 0 && mate < cut ? mate : cut;
+    const tz_vec2 p = shifted(e, e->r->cut.v[cut].to);
+    if (mate >= 0 && e->node[key] >= 0) {
+        const tz_vec2 q = e->out->node.v[e->node[key]];
+        if (tz_vec2_length(tz_vec2_sub(p, q)) < e->m->cx) {
+            *id = e->node[key];
+            return TZ_OK;
+        }
+    }
+    const tz_status st = tz_curve_add_node(e->out, p, id);
+    if (st == TZ_OK && e->node[key] < 0)
+        e->node[key] = *id;
+    return st;
+}
+
+/* ---- pieces ------------------------------------------------------------------------- */
+
+typedef struct bit {
+    int32_t patch;
+    tz_bezier b; /* in the domain, not warped */
+    tz_bezier origin;
+    tz_curve_taper taper;
+    bool straight;
+    int32_t from, to; /* nodes */
+    bool back;
+} bit;
+
+/* Image of a cubic under the field: ends and end tangents are exact. */
+static tz_bezier warped(const emitting *e, int32_t patch, const tz_bezier *b)
+{
+    tz_bezier w;
+    const double h = 1e-4 * e->warp.radius;
+    for (int k = 0; k < 2; k++) {
+        const int end = k ? 3 : 0, ctl = k ? 2 : 1;
+        const tz_vec2 p = b->p[end], d = tz_vec2_sub(b->p[ctl], p);
+        const double n = tz_vec2_length(d);
+        w.p[end] = quilt_warp_at(&e->warp, patch, p);
+        w.p[ctl] = tz_vec2_add(w.p[end], d);
+        if (n == 0)
+            continue;
+        const tz_vec2 step = tz_vec2_scale(d, h / n);
+        const tz_vec2 q =
+            tz_vec2_sub(quilt_warp_at(&e->warp, patch, tz_vec2_add(p, step)),
+                        quilt_warp_at(&e->warp, patch, tz_vec2_sub(p, step)));
+        w.p[ctl] = tz_vec2_add(w.p[end], tz_vec2_scale(q, n / (2 * h)));
+    }
+    return w;
+}
+
+static tz_status put(emitting *e, const bit *x)
+{
+    tz_curve_set *o = e->out;
+    const tz_vec2 p = o->node.v[x->from], q = o->node.v[x->to];
+    const int32_t a = x->back ? x->to : x->from, b = x->back ? x->from : x->to;
+    tz_status st;
+    if (x->straight) {
+        if (x->from == x->to)
+            return TZ_OK; /* nothing to see */
+        st = tz_curve_line(o, a, b);
+    } else {
+        tz_bezier w = x->b;
+        if (quilt_warp_near(&e->warp, x->patch, tz_bezier_at(&x->b, 0.5),
+                            tz_bezier_length(&x->b)))
+            w = warped(e, x->patch, &x->b);
+        const tz_vec2 c[2] = {tz_vec2_add(p, tz_vec2_sub(w.p[1], w.p[0])),
+                              tz_vec2_add(q, tz_vec2_sub(w.p[2], w.p[3]))};
+        st = tz_curve_cubic(o, a, b, c[x->back], c[!x->back]);
+    }
+    if (st == TZ_OK) {
+        tz_bezier g = x->origin;
+        if (x->back)
+            g = (tz_bezier){{g.p[3], g.p[2], g.p[1], g.p[0]}};
+        st = tz_array_push(e->ctx, &o->origin, g);
+    }
+    if (st == TZ_OK && e->s->set->taper.n) {
+        const tz_curve_taper t = x->taper;
+        st = tz_array_push(e->ctx, &o->taper,
+                           (x->back ? (tz_curve_taper){t.to, t.from} : t));
+    }
+    return st;
+}
+
+/* Width at t of a piece: linear by arc length. */
+static double width_at(const quilt_source *s, int32_t piece, double t)
+{
+    const tz_curve_taper w = s->set->taper.v[piece];
+    const tz_bezier b = tz_curve_bezier(s->set, &s->set->piece.v[piece]),
+                    part = tz_bezier_part(&b, 0, t);
+    const double all = tz_bezier_length(&b),
+                 k = all > 0 ? tz_bezier_length(&part) / all : t;
+    return w.from + k * (w.to - w.from);
+}
+
+static tz_bezier mapped(const quilt_patch *p, const tz_bezier *b)
+{
+    return (tz_bezier){{quilt_place_at(p, b->p[0]), quilt_place_at(p, b->p[1]),
+                        quilt_place_at(p, b->p[2]), quilt_place_at(p, b->p[3])}};
+}
+
+/* A part: one bit, or several where it is bent. */
+static tz_status put_part(emitting *e, const quilt_run *run, const quilt_part *part,
+                          int32_t from, int32_t to, bool back)
+{
+    enum { MOST = 64 };
+    const quilt_source *s = e->s;
+    const quilt_patch *p = &e->m->patch.v[run->patch];
+    const tz_bezier whole = tz_curve_bezier(s->set, &s->set->piece.v[part->piece]),
+                    cut = tz_bezier_part(&whole, part->t0, part->t1), b = mapped(p, &cut);
+    const bool straight = s->set->piece.v[part->piece].straight;
+    const double length = tz_bezier_length(&b);
+    int32_t n = 1;
+    tz_status st = TZ_OK;
+    if (!straight && quilt_warp_near(&e->warp, run->patch, tz_bezier_at(&b, 0.5), length))
+        n = (int32_t)fmin(MOST, fmax(1, ceil(length / (e->warp.radius / 3))));
+    for (int32_t j = 0; j < n && st == TZ_OK; j++) {
+        const int32_t k = back ? n - 1 - j : j;
+        const double t0 = part->t0 + (part->t1 - part->t0) * k / n,
+                     t1 = part->t0 + (part->t1 - part->t0) * (k + 1) / n;
+        const tz_bezier o = tz_bezier_part(&whole, t0, t1);
+        bit x = {.patch = run->patch,
+                 .b = mapped(p, &o),
+                 .origin = o,
+                 .straight = straight,
+                 .from = from,
+                 .to = to,
+                 .back = back};
+        if (s->set->taper.n)
+            x.taper = (tz_curve_taper){width_at(s, part->piece, t0),
+                                       width_at(s, part->piece, t1)};
+        if (k < n - 1 && !back) {
+            st = tz_curve_add_node(
+                e->out, shifted(e, quilt_warp_at(&e->warp, run->patch, x.b.p[3])), &x.to);
+            from = x.to;
+        } else if (k > 0 && back) {
+            st = tz_curve_add_node(
+                e->out, shifted(e, quilt_warp_at(&e->warp, run->patch, x.b.p[0])),
+                &x.from);
+            to = x.from;
+        }
+        if (st == TZ_OK)
+            st = put(e, &x);
+    }
+    return st;
+}
+
+/* Node at the begin (0) or end (1) of part k of a run. */
+static tz_status end_of(emitting *e, const quilt_run *run, int32_t k, int end,
+                        int32_t *id)
+{
+    const quilt_part *p = &e->r->part.v[run->part + k];
+    if (end ? p->t1 < 1 || (k == run->parts - 1 && run->cut[1] >= 0)
+            : p->t0 > 0 || (k == 0 && run->cut[0] >= 0))
+        return node_of_cut(e, run->cut[end], id);
+    const tz_curve_piece *c = &e->s->set->piece.v[p->piece];
+    return node_of(e, run->patch, end ? c->to : c->from, id);
+}
+
+static tz_status put_run(emitting *e, int32_t run, bool back)
+{
+    const quilt_run *r = &e->r->run.v[run];
+    tz_status st = TZ_OK;
+    e->seen[run] = true;
+    for (int32_t j = 0; j < r->parts && st == TZ_OK; j++) {
+        const int32_t k = back ? r->parts - 1 - j : j;
+        int32_t from = 0, to = 0;
+        st = end_of(e, r, k, 0, &from);
+        if (st == TZ_OK)
+            st = end_of(e, r, k, 1, &to);
+        if (st == TZ_OK)
+            st = put_part(e, r, &e->r->part.v[r->part + k], from, to, back);
+    }
+    return st;
+}
+
+/* ---- chains ------------------------------------------------------------------------- */
+
+/* The cut at which the line goes on, past end `side` of a run; -1 = nowhere. */
+static int32_t onward(const emitting *e, int32_t run, int side)
+{
+    const int32_t cut = e->r->run.v[run].cut[side];
+    if (cut < 0)
+        return -1;
+    const quilt_cut *c = &e->r->cut.v[cut];
+    if (c->mate < 0 || e->r->cut.v[c->mate].run < 0 ||
+        e->r->cut.v[c->mate].pen != c->pen || e->r->run.v[e->r->cut.v[c->mate].run].gone)
+        return -1;
+    return c->mate;
+}
+
+static tz_status put_chain(emitting *e, int32_t run)
+{
+    const tz_vec3 size = e->m->domain->size;
+    int side = 0; /* entered there */
+    int32_t first = run, at;
+    /* back to where it begins, or once around */
+    for (int32_t k = 0; k < e->r->run.n && (at = onward(e, first, side)) >= 0; k++) {
+        const int32_t next = e->r->cut.v[at].run;
+        if (next == run && e->r->cut.v[at].side == 1)
+            break;
+        first = next;
+        side = 1 - e->r->cut.v[at].side;
+    }
+    tz_status st = tz_curve_begin(e->out, e->s->set->path.v[e->r->run.v[run].path].pen);
+    e->sx = e->sy = 0;
+    int32_t on = first;
+    bool closed = false;
+    while (st == TZ_OK) {
+        st = put_run(e, on, side == 1);
+        closed = e->r->run.v[on].closed;
+        at = onward(e, on, 1 - side);
+        if (at < 0)
+            break;
+        const quilt_cut *c = &e->r->cut.v[at], *b = &e->r->cut.v[c->mate];
+        e->sx += (int32_t)lround((b->to.x - c->to.x) / size.x);
+        e->sy += (int32_t)lround((b->to.y - c->to.y) / size.y);
+        on = c->run;
+        side = c->side;
+        if (e->seen[on]) {
+            closed = on == first;
+            break;
+        }
+    }
+    if (st == TZ_OK)
+        tz_curve_end(e->out, closed);
+    return st;
+}
+
+/* ---- stubs -------------------------------------------------------------------------- */
+
+static double part_length(const emitting *e, const quilt_part *p)
+{
+    const tz_bezier b = tz_curve_bezier(e->s->set, &e->s->set->piece.v[p->piece]),
+                    c = tz_bezier_part(&b, p->t0, p->t1);
+    return tz_bezier_length(&c);
+}
+
+static bool loose(const emitting *e, const quilt_run *r, int side)
+{
+    const int32_t c = r->cut[side];
+    return c >= 0 && e->r->cut.v[c].mate < 0 && e->r->cut.v[c].other != QUILT_OUTSIDE;
+}
+
+/* A line that is cut and meets nothing goes back to its last junction if that is near. */
+static void retract(emitting *e, quilt_run *r, int side, double most)
+{
+    double length = 0;
+    for (int32_t j = 0; j < r->parts; j++) {
+        const int32_t k = side ? r->parts - 1 - j : j;
+        const quilt_part *p = &e->r->part.v[r->part + k];
+        const tz_curve_piece *c = &e->s->set->piece.v[p->piece];
+        const bool whole = side ? p->t0 == 0 : p->t1 == 1;
+        length += part_length(e, p);
+        if (length > most)
+            return;
+        if (!whole || e->s->degree[side ? c->from : c->to] < 3)
+            continue;
+        r->parts -= j + 1;
+        if (!side)
+            r->part += j + 1;
+        r->cut[side] = -1;
+        r->gone = r->parts == 0;
+        return;
+    }
+    /* all of it is short: a crumb, unless it goes on at the other end */
+    const bool other = r->cut[1 - side] >= 0 && e->r->cut.v[r->cut[1 - side]].mate >= 0;
+    r->gone = r->gone || !other;
+}
+
+static void drop_stubs(emitting *e)
+{
+    const double most = 0.6 * e->s->spacing;
+    for (int32_t i = 0; i < e->r->run.n; i++) {
+        quilt_run *r = &e->r->run.v[i];
+        for (int side = 0; side < 2 && !r->gone; side++)
+            if (loose(e, r, side))
+                retract(e, r, side, most);
+    }
+}
+
+/* ---- discrete elements --------------------------------------------------------------- */
+
+static tz_status put_elements(emitting *e)
+{
+    enum { MOST = 64 };
+    const tz_element_set *from = &e->s->set->element;
+    tz_grid grid = {0};
+    int32_t near[MOST], id;
+    double most = 0;
+    TZ_ARRAY(int32_t)
+    patch = {0};
+    tz_status st = TZ_OK;
+    for (int32_t i = 0; i < from->element.n; i++)
+        most = fmax(most, from->element.v[i].radius);
+    if (from->element.n == 0 || !(most > 0))
+        return TZ_OK;
+    const tz_vec3 size = e->m->domain->size;
+    st = tz_grid_init(e->ctx, &grid, (tz_vec2){0, 0}, (tz_vec2){size.x, size.y},
+                      fmin(2 * most, fmin(size.x, size.y)), e->m->domain->torus);
+    for (int32_t k = 0; k < e->m->patch.n && st == TZ_OK; k++) {
+        const quilt_patch *p = &e->m->patch.v[k];
+        for (int32_t i = 0; i < from->element.n && p->half.x > 0 && st == TZ_OK; i++) {
+            const tz_element *x = &from->element.v[i];
+            const tz_vec2 at = quilt_place_at(p, (tz_vec2){x->at.x, x->at.y});
+            if (!tz_element_may_copy(x) || quilt_label(e->m, at) != k)
+                continue;
+            const int32_t n = tz_grid_query(&grid, at, 2 * most, near, MOST);
+            bool room = true;
+            for (int32_t j = 0; j < (n < MOST ? n : MOST) && room; j++) {
+                const tz_element *y = &e->out->element.element.v[near[j]];
+                const tz_vec3 v =
+                    tz_domain_vector(e->m->domain, y->at, (tz_vec3){at.x, at.y, 0});
+                room = patch.v[near[j]] == k ||
+                       hypot(v.x, v.y) >= 0.85 * (x->radius + y->radius);
+            }
+            if (!room)
+                continue;
+            st = tz_element_set_place(&e->out->element, from, i,
+                                      (tz_vec3){at.x, at.y, x->at.z}, p->angle, 1);
+            if (st == TZ_OK)
+                st = tz_grid_add(e->ctx, &grid, at, &id);
+            if (st == TZ_OK)
+                st = tz_array_push(e->ctx, &patch, k);
+        }
+    }
+    tz_grid_deinit(e->ctx, &grid);
+    tz_array_free(e->ctx, &patch);
+    return st;
+}
+
+/* ---- all of it ---------------------------------------------------------------------- */
+
+/* Nodes that no piece ends at go away. */
+static tz_status drop_nodes(emitting *e)
+{
+    tz_curve_set *o = e->out;
+    int32_t *to = NULL, n = 0;
+    const tz_status st = tz_alloc_zero(e->ctx, &to, (size_t)o->node.n, sizeof *to);
+    if (st != TZ_OK)
+        return st;
+    for (int32_t i = 0; i < o->piece.n; i++)
+        to[o->piece.v[i].from] = to[o->piece.v[i].to] = 1;
+    for (int32_t i = 0; i < o->node.n; i++) {
+        if (!to[i])
+            continue;
+        o->node.v[n] = o->node.v[i];
+        to[i] = n++;
+    }
+    o->node.n = n;
+    for (int32_t i = 0; i < o->piece.n; i++) {
+        o->piece.v[i].from = to[o->piece.v[i].from];
+        o->piece.v[i].to = to[o->piece.v[i].to];
+    }
+    tz_free(e->ctx, to);
+    return TZ_OK;
+}
+
+static tz_status begin(emitting *e)
+{
+    uint64_t size = 64;
+    while (size < 2 * ((uint64_t)e->r->part.n * 2 + 16))
+        size *= 2;
+    e->mask = size - 1;
+    tz_status st = quilt_warp_init(e->ctx, e->s, e->m, e->r, &e->warp);
+    if (st == TZ_OK)
+        st = tz_alloc(e->ctx, &e->table, (size_t)size, sizeof *e->table);
+    if (st == TZ_OK)
+        st = tz_alloc_zero(e->ctx, &e->seen, (size_t)e->r->run.n, sizeof *e->seen);
+    if (st == TZ_OK)
+        st = tz_alloc(e->ctx, &e->node, (size_t)e->r->cut.n, sizeof *e->node);
+    for (uint64_t i = 0; i < size && st == TZ_OK; i++)
+        e->table[i].id = -1;
+    for (int32_t i = 0; i < e->r->cut.n && st == TZ_OK; i++)
+        e->node[i] = -1;
+    return st;
+}
+
+tz_status quilt_emit(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+                     quilt_runs *r, uint64_t seed, tz_curve_set *out)
+{
+    emitting e = {.ctx = ctx, .s = s, .m = m, .r = r, .out = out};
+    (void)seed;
+    tz_status st = tz_curve_set_like(ctx, s->original, m->domain, out);
+    if (st == TZ_OK)
+        st = begin(&e);
+    if (st == TZ_OK)
+        drop_stubs(&e);
+    for (int32_t i = 0; i < r->run.n && st == TZ_OK; i++)
+        if (!e.seen[i] && !r->run.v[i].gone && r->run.v[i].parts > 0)
+            st = put_chain(&e, i);
+    if (st == TZ_OK)
+        st = put_elements(&e);
+    if (st == TZ_OK)
+        st = drop_nodes(&e);
+    quilt_warp_deinit(&e.warp);
+    tz_free(ctx, e.table);
+    tz_free(ctx, e.seen);
+    tz_free(ctx, e.node);
+    if (st != TZ_OK) {
+        tz_curve_set_deinit(out);
+        memset(out, 0, sizeof *out);
+    }
+    return st;
+}

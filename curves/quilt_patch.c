@@ -1,0 +1,554 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One patch for one place: all shifts are compared by features, where something lies
+ * already; the best few are shifted exactly, so that their lines meet those that lie there
+ * (least squares of distances across the lines), and cut in; the cheapest seam wins.
+ * @source Kwatra et al. 2003, Sec. 3, entire and sub-patch matching. Deviates: what is
+ *   compared are lines, by place, direction and pen */
+#include <stdlib.h>
+#include <string.h>
+
+#include "curves/quilt_internal.h"
+
+/* ---- window ------------------------------------------------------------------------- */
+
+tz_status quilt_window_init(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+                            tz_vec2 side, quilt_window *w)
+{
+    const double d = m->domain->frames ? hypot(side.x, side.y) : 0;
+    const double nx = fmin(m->nx, ceil(fmax(d, side.x) / m->cx) + 2),
+                 ny = fmin(m->ny, ceil(fmax(d, side.y) / m->cy) + 2);
+    const size_t n = (size_t)nx * (size_t)ny, shifts = (size_t)s->fx * (size_t)s->fy;
+    *w = (quilt_window){.ctx = ctx, .most = (int32_t)n};
+    w->most_coarse = (int32_t)((side.x / s->coarse + 2) * (side.y / s->coarse + 2));
+    const size_t c = (size_t)w->most_coarse;
+    tz_status st = tz_alloc(ctx, &w->fresh, n, sizeof *w->fresh);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->kept, n, sizeof *w->kept);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->off, n, sizeof *w->off);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->state, 2 * n, 1);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->side, n, 1);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->best, n, 1);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->score, shifts, sizeof *w->score);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->feature, 2 * c * QUILT_CHANNELS, sizeof *w->feature);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->weight, c, sizeof *w->weight);
+    if (st == TZ_OK && !(w->flow = quilt_flow_new(ctx, (int32_t)n)))
+        st = TZ_NOMEM;
+    if (st != TZ_OK)
+        quilt_window_deinit(w);
+    return st;
+}
+
+void quilt_window_deinit(quilt_window *w)
+{
+    tz_free(w->ctx, w->fresh);
+    tz_free(w->ctx, w->kept);
+    tz_free(w->ctx, w->off);
+    tz_free(w->ctx, w->state);
+    tz_free(w->ctx, w->side);
+    tz_free(w->ctx, w->best);
+    tz_free(w->ctx, w->score);
+    tz_free(w->ctx, w->feature);
+    tz_free(w->ctx, w->weight);
+    quilt_flow_free(w->ctx, w->flow);
+    memset(w, 0, sizeof *w);
+}
+
+/* Index in the map of a cell of the window (or beside it); -1 = outside the domain. */
+static ptrdiff_t cell_at(const quilt_map *m, const quilt_window *w, int32_t i, int32_t j)
+{
+    int32_t x = w->x + i, y = w->y + j;
+    if (m->domain->torus) {
+        x = (x % m->nx + m->nx) % m->nx;
+        y = (y % m->ny + m->ny) % m->ny;
+    } else if (x < 0 || y < 0 || x >= m->nx || y >= m->ny) {
+        return -1;
+    }
+    return (ptrdiff_t)y * m->nx + x;
+}
+
+static tz_vec2 centre_of(const quilt_map *m, const quilt_window *w, int32_t i, int32_t j)
+{
+    return (tz_vec2){(w->x + i + 0.5) * m->cx, (w->y + j + 0.5) * m->cy};
+}
+
+static bool in_window(const quilt_patch *p, tz_vec2 at)
+{
+    const tz_vec2 u = quilt_unturn(p, tz_vec2_sub(at, p->to));
+    return fabs(u.x) <= p->half.x && fabs(u.y) <= p->half.y;
+}
+
+/* Bounds of the window; states of its cells, whatever the candidate. */
+static void open_window(const quilt_map *m, const quilt_place *place,
+                        const quilt_patch *p, quilt_window *w)
+{
+    const double hx = fabs(p->c) * p->half.x + fabs(p->s) * p->half.y,
+                 hy = fabs(p->s) * p->half.x + fabs(p->c) * p->half.y;
+    int32_t x1 = (int32_t)ceil((p->to.x + hx) / m->cx),
+            y1 = (int32_t)ceil((p->to.y + hy) / m->cy);
+    w->x = (int32_t)floor((p->to.x - hx) / m->cx);
+    w->y = (int32_t)floor((p->to.y - hy) / m->cy);
+    if (!m->domain->torus) {
+        w->x = w->x > 0 ? w->x : 0;
+        w->y = w->y > 0 ? w->y : 0;
+        x1 = x1 < m->nx ? x1 : m->nx;
+        y1 = y1 < m->ny ? y1 : m->ny;
+    }
+    w->w = x1 - w->x < m->nx ? x1 - w->x : m->nx;
+    w->h = y1 - w->y < m->ny ? y1 - w->y : m->ny;
+    if (w->w < 0 || w->h < 0)
+        w->w = w->h = 0;
+    while ((int64_t)w->w * w->h > w->most)
+        w->h--;
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            static const int8_t step[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+            const ptrdiff_t at = cell_at(m, w, i, j);
+            const tz_vec2 c = centre_of(m, w, i, j);
+            uint8_t *to = &w->state[(ptrdiff_t)j * w->w + i];
+            *to = QUILT_BLOCKED;
+            if (at < 0 || m->closed[at] || !in_window(p, c))
+                continue;
+            *to = m->label[at] == QUILT_NONE    ? QUILT_FRESH
+                  : m->label[at] == QUILT_GIVEN ? QUILT_OLD
+                                                : QUILT_FREE;
+            for (int d = 0; d < 4 && *to == QUILT_FREE; d++) {
+                const ptrdiff_t b = cell_at(m, w, i + step[d][0], j + step[d][1]);
+                if (b >= 0 && !m->closed[b] && m->label[b] != QUILT_NONE &&
+                    !in_window(p, centre_of(m, w, i + step[d][0], j + step[d][1])))
+                    *to = QUILT_OLD;
+            }
+            const tz_vec2 v = tz_vec2_sub(c, place->at);
+            if (place->core > 0 && *to == QUILT_FREE &&
+                tz_vec2_dot(v, v) < place->core * place->core)
+                *to = QUILT_FRESH;
+        }
+}
+
+/* ---- candidates --------------------------------------------------------------------- */
+
+static tz_vec2 spot_at(const quilt_map *m, const quilt_window *w, int32_t i, int32_t j,
+                       quilt_spot s)
+{
+    return (tz_vec2){(w->x + i + (s.x + 0.5) / 256) * m->cx,
+                     (w->y + j + (s.y + 0.5) / 256) * m->cy};
+}
+
+/* Direction of a line, seen from the patch (sign -1) or from the domain (1). */
+static uint8_t turned(uint8_t turn, const quilt_patch *p, int sign)
+{
+    double a = turn + sign * p->angle / TZ_PI * 256;
+    a -= floor(a / 256) * 256;
+    return (uint8_t)((int32_t)(a + 0.5) & 255);
+}
+
+/* Features of what lies in the window, in the axes of the exemplar. Sum of weights. */
+static double read_features(const quilt_source *s, const quilt_map *m,
+                            const quilt_patch *p, quilt_window *w, int32_t cw, int32_t ch)
+{
+    const size_t n = (size_t)cw * (size_t)ch;
+    const float area = (float)(m->cx * m->cy / (s->coarse * s->coarse));
+    memset(w->feature, 0, n * QUILT_CHANNELS * sizeof *w->feature);
+    memset(w->weight, 0, n * sizeof *w->weight);
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            const ptrdiff_t at = cell_at(m, w, i, j);
+            if (at < 0 || w->state[(ptrdiff_t)j * w->w + i] == QUILT_BLOCKED ||
+                m->label[at] == QUILT_NONE)
+                continue;
+            const tz_vec2 u = quilt_unturn(p, tz_vec2_sub(centre_of(m, w, i, j), p->to));
+            const double x = (u.x + p->half.x) / s->coarse,
+                         y = (u.y + p->half.y) / s->coarse;
+            if (x >= 0 && y >= 0 && x < cw && y < ch)
+                w->weight[(ptrdiff_t)y * cw + (ptrdiff_t)x] += area;
+            for (int k = 0; k < QUILT_SPOTS && m->cell[at].spot[k].pen; k++) {
+                const quilt_spot q = m->cell[at].spot[k];
+                const tz_vec2 v =
+                    quilt_unturn(p, tz_vec2_sub(spot_at(m, w, i, j, q), p->to));
+                quilt_feature_add(w->feature, cw, ch,
+                                  (tz_vec2){(v.x + p->half.x) / s->coarse,
+                                            (v.y + p->half.y) / s->coarse},
+                                  turned(q.turn, p, -1), q.pen,
+                                  (float)(m->cx / s->coarse));
+            }
+        }
+    quilt_feature_blur(w->feature, w->feature + n * QUILT_CHANNELS, cw, ch);
+    double sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        w->weight[i] = w->weight[i] > 0.8F ? 1 : 0;
+        sum += (double)w->weight[i];
+    }
+    return sum;
+}
+
+static float shift_score(const quilt_source *s, const quilt_window *w, int32_t cw,
+                         int32_t ch, int32_t ox, int32_t oy)
+{
+    float sum = 0;
+    for (int32_t y = 0; y < ch; y++)
+        for (int32_t x = 0; x < cw; x++) {
+            const ptrdiff_t i = (ptrdiff_t)y * cw + x,
+                            j = (ptrdiff_t)(y + oy) * s->fx + x + ox;
+            if (!s->valid[j]) {
+                sum += w->weight[i] > 0 ? 0.5F : 0.2F;
+                continue;
+            }
+            if (w->weight[i] == 0)
+                continue;
+            const float *a = w->feature + i * QUILT_CHANNELS,
+                        *b = s->feature + j * QUILT_CHANNELS;
+            for (int c = 0; c < QUILT_CHANNELS; c++)
+                sum += (a[c] - b[c]) * (a[c] - b[c]);
+        }
+    return sum;
+}
+
+/* How much a source is to be avoided: patches near by took theirs from there. */
+static double repeats(const quilt_source *s, const quilt_map *m, const quilt_place *place,
+                      tz_vec2 from)
+{
+    double k = 1;
+    const double near = 1.2 * s->patch, same = 0.3 * s->patch;
+    for (int32_t i = 0; i < place->seen; i++) {
+        const quilt_patch *q = &m->patch.v[i];
+        const tz_vec3 v = tz_domain_vector(m->domain, (tz_vec3){q->to.x, q->to.y, 0},
+                                           (tz_vec3){place->at.x, place->at.y, 0});
+        if (v.x * v.x + v.y * v.y > near * near)
+            continue;
+        const tz_vec2 d = tz_vec2_sub(from, q->from),
+                      e = tz_vec2_sub(d, quilt_unturn(q, (tz_vec2){v.x, v.y}));
+        if (tz_vec2_dot(d, d) < same * same && tz_vec2_length(e) > 0.1 * s->patch)
+            k += 0.5 * (1 - tz_vec2_length(d) / same);
+    }
+    return k;
+}
+
+typedef struct shift {
+    float score;
+    int32_t x, y;
+} shift;
+
+/* The best shifts, no two next to each other. */
+static int32_t best_shifts(const quilt_window *w, int32_t nx, int32_t ny, int32_t most,
+                           shift *out)
+{
+    int32_t n = 0;
+    for (; n < most; n++) {
+        shift best = {INFINITY, -1, -1};
+        for (int32_t y = 0; y < ny; y++)
+            for (int32_t x = 0; x < nx; x++) {
+                bool near = false;
+                if (!(w->score[(ptrdiff_t)y * nx + x] < best.score))
+                    continue;
+                for (int32_t k = 0; k < n && !near; k++)
+                    near = abs(out[k].x - x) < 2 && abs(out[k].y - y) < 2;
+                if (!near)
+                    best = (shift){w->score[(ptrdiff_t)y * nx + x], x, y};
+            }
+        if (best.x < 0)
+            break;
+        out[n] = best;
+    }
+    return n;
+}
+
+/* ---- the exact shift ---------------------------------------------------------------- */
+
+/* Lines of the candidate, into w->fresh. */
+static void draw_candidate(const quilt_source *s, const quilt_map *m,
+                           const quilt_patch *p, quilt_window *w)
+{
+    const double rim = 3 * s->cell;
+    const int32_t x0 = (int32_t)fmax(0,
+                                     (p->from.x - p->half.x - rim - s->lo.x) / s->coarse),
+                  y0 = (int32_t)fmax(0,
+                                     (p->from.y - p->half.y - rim - s->lo.y) / s->coarse),
+                  x1 = (int32_t)fmin(s->bx - 1,
+                                     (p->from.x + p->half.x + rim - s->lo.x) / s->coarse),
+                  y1 = (int32_t)fmin(s->by - 1,
+                                     (p->from.y + p->half.y + rim - s->lo.y) / s->coarse);
+    memset(w->fresh, 0, (size_t)w->w * (size_t)w->h * sizeof *w->fresh);
+    for (int32_t y = y0; y <= y1; y++) {
+        if (x0 > x1)
+            break;
+        for (int32_t k = s->bin[(ptrdiff_t)y * s->bx + x0];
+             k < s->bin[(ptrdiff_t)y * s->bx + x1 + 1]; k++) {
+            const quilt_dab *d = &s->dab.v[k];
+            const tz_vec2 at = quilt_place_at(p, d->at);
+            const double cx = at.x / m->cx - w->x, cy = at.y / m->cy - w->y;
+            if (!(cx >= 0 && cy >= 0 && cx < w->w && cy < w->h))
+                continue;
+            quilt_spot_add(&w->fresh[(ptrdiff_t)cy * w->w + (ptrdiff_t)cx],
+                           (quilt_spot){(uint8_t)((cx - floor(cx)) * 256),
+                                        (uint8_t)((cy - floor(cy)) * 256),
+                                        turned(d->turn, p, 1), d->pen});
+        }
+    }
+}
+
+/* Lines that may be one: offset b - a in cells, across a. Negative = not. */
+static float line_off(quilt_spot a, quilt_spot b, int dx, int dy, float *across)
+{
+    const int turn = abs((int8_t)(uint8_t)(a.turn - b.turn));
+    if (turn > 43) /* 30 degrees */
+        return -1;
+    const float x = (float)dx + (float)(b.x - a.x) / 256,
+                y = (float)dy + (float)(b.y - a.y) / 256;
+    const float angle = (float)a.turn * (float)(TZ_PI / 256);
+    const float c = cosf(angle), s = sinf(angle);
+    *across = c * y - s * x;
+    const float along = c * x + s * y, t = (float)turn / 43;
+    if (fabsf(along) > 1.3F || fabsf(*across) > 2)
+        return -1;
+    return fminf(1, *across * *across / 4 + t * t + (a.pen != b.pen ? 0.7F : 0));
+}
+
+/* Best partner of a line in the 5 x 5 cells about it. 1 = none. */
+static float find_line(const quilt_map *m, const quilt_window *w, bool old, int32_t i,
+                       int32_t j, quilt_spot a, float *across)
+{
+    float best = 1;
+    for (int dy = -2; dy <= 2; dy++)
+        for (int dx = -2; dx <= 2; dx++) {
+            const int32_t x = i + dx, y = j + dy;
+            const quilt_cell *c;
+            if (old) {
+                const ptrdiff_t at = cell_at(m, w, x, y);
+                if (at < 0)
+                    continue;
+                c = &m->cell[at];
+            } else {
+                if (x < 0 || y < 0 || x >= w->w || y >= w->h)
+                    continue;
+                c = &w->fresh[(ptrdiff_t)y * w->w + x];
+            }
+            for (int k = 0; k < QUILT_SPOTS && c->spot[k].pen; k++) {
+                float off;
+                const float cost = line_off(a, c->spot[k], dx, dy, &off);
+                if (cost >= 0 && cost < best) {
+                    best = cost;
+                    *across = off;
+                }
+            }
+        }
+    return best;
+}
+
+/* Shifts a candidate so that its lines lie on those that are there. */
+static void align(const quilt_source *s, const quilt_map *m, const quilt_place *place,
+                  quilt_patch *p, quilt_window *w)
+{
+    const tz_vec2 start = p->from;
+    for (int round = 0; round < 4; round++) {
+        double xx = 1e-9, xy = 0, yy = 1e-9, rx = 0, ry = 0, n = 0;
+        draw_candidate(s, m, p, w);
+        for (int32_t j = 0; j < w->h; j++)
+            for (int32_t i = 0; i < w->w; i++) {
+                const ptrdiff_t at = cell_at(m, w, i, j);
+                if (w->state[(ptrdiff_t)j * w->w + i] == QUILT_BLOCKED || at < 0 ||
+                    m->label[at] == QUILT_NONE)
+                    continue;
+                for (int k = 0; k < QUILT_SPOTS && m->cell[at].spot[k].pen; k++) {
+                    const quilt_spot a = m->cell[at].spot[k];
+                    float across = 0;
+                    const double wt =
+                        1 - (double)find_line(m, w, false, i, j, a, &across);
+                    if (wt <= 0)
+                        continue;
+                    const double angle = a.turn * TZ_PI / 256;
+                    const double nx = -sin(angle), ny = cos(angle);
+                    xx += wt * nx * nx;
+                    xy += wt * nx * ny;
+                    yy += wt * ny * ny;
+                    rx += wt * nx * (double)across;
+                    ry += wt * ny * (double)across;
+                    n += wt;
+                }
+            }
+        if (n < 1)
+            return;
+        xx += 0.02 * n;
+        yy += 0.02 * n;
+        const double det = xx * yy - xy * xy;
+        const tz_vec2 v = {(yy * rx - xy * ry) / det * m->cx,
+                           (xx * ry - xy * rx) / det * m->cy};
+        p->from = tz_vec2_add(p->from, quilt_unturn(p, v));
+        const tz_vec2 d = tz_vec2_sub(p->from, start);
+        if (!(tz_vec2_length(d) < 2 * s->coarse)) {
+            p->from = start;
+            return;
+        }
+        if (tz_vec2_length(v) < 0.01 * s->cell)
+            return;
+    }
+    (void)place;
+}
+
+/* ---- the cut ------------------------------------------------------------------------ */
+
+/* How far old and fresh lines differ in each cell; cells that the exemplar has nothing
+ * for are closed to it. */
+static void compare(const quilt_source *s, const quilt_map *m, const quilt_patch *p,
+                    quilt_window *w, uint8_t *state)
+{
+    float across;
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            const ptrdiff_t here = (ptrdiff_t)j * w->w + i, at = cell_at(m, w, i, j);
+            float sum = 0;
+            state[here] = w->state[here];
+            w->off[here] = 0;
+            if (state[here] == QUILT_BLOCKED)
+                continue;
+            const tz_vec2 x = quilt_source_at(p, centre_of(m, w, i, j));
+            const double fx = (x.x - s->lo.x) / s->coarse,
+                         fy = (x.y - s->lo.y) / s->coarse;
+            const bool able = x.x >= s->lo.x && x.y >= s->lo.y && x.x <= s->hi.x &&
+                              x.y <= s->hi.y && fx < s->fx && fy < s->fy &&
+                              s->valid[(ptrdiff_t)fy * s->fx + (ptrdiff_t)fx];
+            const bool known = m->label[at] != QUILT_NONE;
+            if (!able)
+                state[here] = known ? QUILT_OLD : QUILT_BLOCKED;
+            if (!known)
+                continue;
+            for (int k = 0; k < QUILT_SPOTS && m->cell[at].spot[k].pen; k++)
+                sum += find_line(m, w, false, i, j, m->cell[at].spot[k], &across);
+            for (int k = 0; k < QUILT_SPOTS && w->fresh[here].spot[k].pen; k++)
+                sum += find_line(m, w, true, i, j, w->fresh[here].spot[k], &across);
+            w->off[here] = sum;
+        }
+}
+
+/* What seams cost that would be laid over. */
+static double seams_gone(const quilt_map *m, const quilt_window *w, const uint8_t *side)
+{
+    double sum = 0;
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            const ptrdiff_t here = (ptrdiff_t)j * w->w + i, at = cell_at(m, w, i, j);
+            if (at < 0)
+                continue;
+            const bool right = i + 1 < w->w && (side[here] || side[here + 1]),
+                       below = j + 1 < w->h && (side[here] || side[here + w->w]);
+            sum += right ? (double)m->seam[2 * at] : 0;
+            sum += below ? (double)m->seam[2 * at + 1] : 0;
+        }
+    return sum;
+}
+
+static void lay(quilt_map *m, const quilt_place *place, const quilt_window *w,
+                const float *off)
+{
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            const ptrdiff_t here = (ptrdiff_t)j * w->w + i, at = cell_at(m, w, i, j);
+            if (!w->best[here] || at < 0)
+                continue;
+            m->label[at] = place->patch;
+            m->cell[at] = w->kept[here];
+        }
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++)
+            for (int d = 0; d < 2; d++) {
+                const int32_t x = i + (d == 0), y = j + (d == 1);
+                if (x >= w->w || y >= w->h)
+                    continue;
+                const ptrdiff_t here = (ptrdiff_t)j * w->w + i, at = cell_at(m, w, i, j),
+                                there = (ptrdiff_t)y * w->w + x, to = cell_at(m, w, x, y);
+                if (at < 0 || to < 0 || !(w->best[here] || w->best[there]))
+                    continue;
+                m->seam[2 * at + d] = m->label[at] == m->label[to] ||
+                                              m->label[at] == QUILT_NONE ||
+                                              m->label[to] == QUILT_NONE
+                                          ? 0
+                                          : off[here] + off[there] + QUILT_SEAM_LEAST;
+            }
+}
+
+/* ---- all of it ---------------------------------------------------------------------- */
+
+static int32_t choose(const quilt_source *s, const quilt_map *m, const quilt_place *place,
+                      const quilt_patch *p, tz_rng *g, quilt_window *w, shift *best,
+                      int32_t most)
+{
+    const int32_t cw = (int32_t)fmin(s->fx, fmax(1, 2 * p->half.x / s->coarse + 0.01)),
+                  ch = (int32_t)fmin(s->fy, fmax(1, 2 * p->half.y / s->coarse + 0.01));
+    const int32_t nx = s->fx - cw + 1, ny = s->fy - ch + 1;
+    const double known = read_features(s, m, p, w, cw, ch);
+    for (int32_t y = 0; y < ny; y++)
+        for (int32_t x = 0; x < nx; x++) {
+            const tz_vec2 from = {s->lo.x + (x + cw * 0.5) * s->coarse,
+                                  s->lo.y + (y + ch * 0.5) * s->coarse};
+            const double vary = known > 0 ? 0.9 + 0.2 * tz_rng_unit(g) : tz_rng_unit(g);
+            const double score =
+                (double)shift_score(s, w, cw, ch, x, y) / fmax(known, 1) + 1e-6;
+            w->score[(ptrdiff_t)y * nx + x] =
+                (float)(known > 0 ? score * vary * repeats(s, m, place, from)
+                                  : vary + 1e3 * (score - 1e-6));
+        }
+    return best_shifts(w, nx, ny, known > 0 ? most : 1, best);
+}
+
+tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, const quilt_place *place,
+                            const tz_curve_quilt_params *q, uint64_t seed,
+                            quilt_window *w, bool *laid)
+{
+    enum { MOST = 64 };
+    shift best[MOST];
+    tz_rng g = tz_rng_make(seed, place->stream);
+    const double angle =
+        tz_domain_frame(m->domain, (tz_vec3){place->at.x, place->at.y, 0});
+    quilt_patch p = {.to = place->at,
+                     .angle = angle,
+                     .c = cos(angle),
+                     .s = sin(angle),
+                     .half = place->half};
+    double least = INFINITY;
+    *laid = false;
+    open_window(m, place, &p, w);
+    if (w->w == 0 || w->h == 0)
+        return TZ_OK;
+    const int32_t n =
+        choose(s, m, place, &p, &g, w, best, q->candidates < MOST ? q->candidates : MOST);
+    uint8_t *state = w->state + w->most;
+    float *off = w->off;
+    quilt_patch kept = p;
+    for (int32_t k = 0; k < n; k++) {
+        double cost;
+        quilt_patch c = p;
+        const double cw = fmin(s->fx, fmax(1, floor(2 * p.half.x / s->coarse + 0.01))),
+                     ch = fmin(s->fy, fmax(1, floor(2 * p.half.y / s->coarse + 0.01)));
+        c.from = (tz_vec2){s->lo.x + (best[k].x + cw * 0.5) * s->coarse,
+                           s->lo.y + (best[k].y + ch * 0.5) * s->coarse};
+        /* the window is p.half wide, the shift counts from its corner */
+        c.from.x += p.half.x - cw * 0.5 * s->coarse;
+        c.from.y += p.half.y - ch * 0.5 * s->coarse;
+        align(s, m, place, &c, w);
+        draw_candidate(s, m, &c, w);
+        compare(s, m, &c, w, state);
+        quilt_flow_cut(w->flow, w->w, w->h, off, state, w->side, &cost);
+        if (place->core > 0 && !(cost < 0.8 * seams_gone(m, w, w->side)))
+            continue;
+        const double score = (cost + 0.5) * repeats(s, m, place, c.from);
+        if (score < least) {
+            least = score;
+            kept = c;
+            memcpy(w->best, w->side, (size_t)w->w * (size_t)w->h);
+            memcpy(w->kept, w->fresh, (size_t)w->w * (size_t)w->h * sizeof *w->kept);
+        }
+    }
+    if (least == INFINITY)
+        return TZ_OK;
+    memcpy(w->fresh, w->kept, (size_t)w->w * (size_t)w->h * sizeof *w->fresh);
+    compare(s, m, &kept, w, state);
+    lay(m, place, w, off);
+    m->patch.v[place->patch] = kept;
+    *laid = true;
+    return TZ_OK;
+}
