@@ -264,11 +264,11 @@ tz_status tz_lines_find(tz_ctx *ctx, const tz_image *photo, const tz_lines_param
     if (s == TZ_OK && v.line != TZ_LINE_RIDGE)
         s = edges(&f);
     if (s == TZ_OK)
-        s = tz_line_judge(&f.g, &f.picture, f.grey, f.side, &v);
-    if (s == TZ_OK)
         s = open_set(&f, out);
     if (s == TZ_OK)
         s = tz_line_fit(&f.g, &f.picture, f.side, params->error, out);
+    if (s == TZ_OK)
+        s = tz_line_judge(&f.g, &f.picture, f.grey, f.side, out->path.n, &v);
     if (s == TZ_OK && plate)
         s = tz_line_plate(ctx, photo, &f.g, f.side, plate);
     if (s == TZ_OK && verdict)

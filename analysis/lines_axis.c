@@ -2,13 +2,13 @@
 /* Fisher's discriminant: d is the mean difference of colour between lines and their sides,
  * S the covariance of that difference plus that of differences as far apart beside the
  * lines; w = S^-1 d has the largest ratio (w'd)^2 / w'Sw. It is taken where that ratio is
- * at least half as large again as the grey picture's.
+ * at least a fifth larger than the grey picture's.
  * @source Fisher: The use of multiple measurements in taxonomic problems, 1936 */
 #include "analysis/lines_axis.h"
 
 #include <math.h>
 
-#define BETTER  1.5
+#define BETTER  1.2
 #define FEWEST  200 /* points that tell */
 #define SAMPLES 20000
 #define RIDGE   1.0 /* added to variances: below the camera's noise nothing is sure */

@@ -8,8 +8,10 @@
 #include "analysis/lines_graph.h"
 
 /** @param side  px of the photo a px of the picture
+ *  @param paths  that the graph was drawn as
  *  @param[in,out] v  line and tone as found; the rest is filled */
 tz_status tz_line_judge(const tz_line_graph *g, const tz_line_picture *picture,
-                        const float *grey, double side, tz_lines_verdict *v);
+                        const float *grey, double side, int32_t paths,
+                        tz_lines_verdict *v);
 
 #endif
