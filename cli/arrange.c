@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "cli/arrange_curves.h"
 #include "cli/arrange_elements.h"
 #include "cli/figures.h"
 #include "cli/material.h"
@@ -17,6 +18,11 @@ typedef struct values {
     tz_things_params things;
     tz_guide_params guides;
     tz_element_arrange_params elements;
+    tz_curve_arrange_params curves;
+    tz_curve_input_params input;
+    tz_curve_draw_params draw;
+    tz_curve_output_params format;
+    tz_curve_watch_params watch;
     tz_rules_params rules;
     tz_enlarge_params growth;
     tz_arrange_params arrange;
@@ -141,16 +147,21 @@ done:
 
 static tz_status run(tz_cli *cli)
 {
-    const values *v = cli->values;
+    values *v = cli->values;
     const tz_elements_job job = {v->output.output, v->own.keep,  &v->medium,
                                  &v->things,       &v->elements, &v->guides,
                                  &v->arrange,      &v->analyze,  v->growth.grow};
+    const tz_curves_job curves = {v->output.output, v->own.keep,   &v->input,  &v->format,
+                                  &v->draw,         &v->watch,     &v->curves, &v->guides,
+                                  &v->arrange,      v->growth.grow};
     tz_as as;
     if (!*v->output.output)
         return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
     tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
     if (s != TZ_OK)
         return s;
+    if (as == TZ_AS_CURVES)
+        return tz_arrange_curves(cli, &curves);
     return as == TZ_AS_ELEMENTS ? tz_arrange_elements(cli, &job) : run_edges(cli);
 }
 
@@ -162,6 +173,11 @@ static const tz_option_group groups[] = {
     {&tz_things_param_table, offsetof(values, things), true},
     {&tz_guide_param_table, offsetof(values, guides), true},
     {&tz_element_arrange_param_table, offsetof(values, elements), true},
+    {&tz_curve_arrange_param_table, offsetof(values, curves), true},
+    {&tz_curve_draw_param_table, offsetof(values, draw), true},
+    {&tz_curve_input_param_table, offsetof(values, input), true},
+    {&tz_curve_output_param_table, offsetof(values, format), true},
+    {&tz_curve_watch_param_table, offsetof(values, watch), false},
     {&tz_rules_param_table, offsetof(values, rules), true},
     {&tz_enlarge_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
@@ -174,6 +190,10 @@ static const tz_example examples[] = {
      "terrazzo arrange gravel.png grass.png -o path.svg --rules two-sources.json"},
     {"More of a drawing's elements (size in its units), as a table for scatter tools:",
      "terrazzo arrange leaves.svg -o leaves.csv --size 1500x1500"},
+    {"More of a drawing's lines, for a plotter:",
+     "terrazzo arrange streets.svg --as curves -o streets.dxf --size 1200x900"},
+    {"The white spot of a drawing, filled like the rest of it:",
+     "terrazzo arrange map.svg --as curves --complete spot.svg -o whole.svg"},
 };
 const tz_command tz_arrange_command = {
     .name = "arrange",
@@ -185,7 +205,10 @@ const tz_command tz_arrange_command = {
         "Photos are analysed on the way, so the options of analyze are taken too.\n\n"
         "A drawing (any SVG) or an element exemplar gives a layout of elements: each "
         "placed one is a <use> in the SVG; .json and .csv hold the same as a table. "
-        "--size is in the drawing's units then.",
+        "--size is in the drawing's units then.\n\n"
+        "With --as curves the drawing's lines are a pattern: they go on from piece to "
+        "piece, meet and branch as they do in the drawing. --complete and --clone draw "
+        "into the drawing itself. The output is SVG, or DXF for plotters and cutters.",
     .min_operands = 1,
     .max_operands = -1,
     .group = groups,

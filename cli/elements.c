@@ -29,12 +29,12 @@ const tz_param_table tz_medium_param_table = {
 #define AT(m) offsetof(tz_guide_params, m)
 static const tz_param guide_rows[] = {
     {"domain", TZ_PARAM_STRING, AT(domain), 0, 0, "", "FILE", NULL,
-     "Elements: shape to fill, an image (light = inside) or an SVG of closed paths, "
-     "stretched over the layout."},
+     "Elements, curves: shape to fill, an image (light = inside) or an SVG of closed "
+     "paths, stretched over the layout."},
     {"field", TZ_PARAM_STRING, AT(field), 0, 0, "", "FILE|FORMULA", NULL,
-     "Elements: directions that the arrangement turns with: an SVG of strokes, an image "
-     "of "
-     "vectors, or a formula of the angle in degrees, such as "
+     "Elements, curves: directions that the arrangement turns with: an SVG of strokes, "
+     "an "
+     "image of vectors, or a formula of the angle in degrees, such as "
      "\"atan2(y-h/2,x-w/2)*180/pi\"."},
     {"zones", TZ_PARAM_STRING, AT(zones), 0, 0, "", "FILE", NULL,
      "Elements: picture whose flat colours say which classes may lie where, see "

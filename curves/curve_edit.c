@@ -40,6 +40,12 @@ static tz_status add_path(const tz_curve_set *from, const tz_curve_path *p, int3
             s = node_of(from, to, map, q.to, shift, &q.to);
         q.a = tz_vec2_add(q.a, shift);
         q.b = tz_vec2_add(q.b, shift);
+        if (s == TZ_OK && q.straight && (shift.x != 0 || shift.y != 0)) {
+            const tz_bezier line =
+                tz_bezier_line(to->node.v[q.from], tz_curve_piece_end(to, &q));
+            q.a = line.p[1];
+            q.b = line.p[2];
+        }
         if (s == TZ_OK)
             s = tz_curve_add_piece(to, &q, &c);
     }
@@ -168,7 +174,7 @@ tz_status tz_curve_append(tz_ctx *ctx, tz_curve_set *to, const tz_curve_set *fro
 /* ---- welding --------------------------------------------------------------------------
  */
 
-enum { MOST_CELLS = 1 << 20, CHORDS = 8 };
+enum { MOST_CELLS = 1 << 20, STEPS = 16 };
 
 /** A place on a piece that is to be cut. */
 typedef struct cut {
@@ -230,33 +236,39 @@ static tz_status enter(welder *w, int32_t piece)
     return s;
 }
 
-/** The nearest place of a cubic: the best of some steps, then Newton's. */
-static double nearest_on(const tz_bezier *c, tz_vec2 p, double *t)
+static double distance2(const tz_bezier *c, double t, tz_vec2 p)
 {
-    double best = INFINITY;
-    for (int i = 0; i <= CHORDS; i++) {
-        const tz_vec2 v = tz_vec2_sub(tz_bezier_at(c, (double)i / CHORDS), p);
-        const double d = tz_vec2_dot(v, v);
-        if (d < best) {
-            best = d;
-            *t = (double)i / CHORDS;
-        }
-    }
-    double step = 0.5 / CHORDS; /* halved: what Newton's steps overshoot this does not */
-    for (int i = 0; i < 40; i++) {
-        bool better = false;
-        for (int side = -1; side <= 1; side += 2) {
-            const double u = fmin(1, fmax(0, *t + side * step));
-            const tz_vec2 v = tz_vec2_sub(tz_bezier_at(c, u), p);
-            const double d = tz_vec2_dot(v, v);
-            if (d < best) {
-                best = d;
-                *t = u;
-                better = true;
+    const tz_vec2 v = tz_vec2_sub(tz_bezier_at(c, t), p);
+    return tz_vec2_dot(v, v);
+}
+
+/** Every step that is nearer than both beside it is a start: a cubic has up to three. */
+double tz_bezier_nearest(const tz_bezier *c, tz_vec2 p, double *t)
+{
+    double d[STEPS + 1], best = INFINITY;
+    for (int i = 0; i <= STEPS; i++)
+        d[i] = distance2(c, (double)i / STEPS, p);
+    for (int i = 0; i <= STEPS; i++) {
+        if ((i > 0 && d[i - 1] < d[i]) || (i < STEPS && d[i + 1] < d[i]))
+            continue;
+        double least = d[i], at = (double)i / STEPS, step = 0.5 / STEPS;
+        for (int k = 0; k < 64 && step > 1e-12; k++) { /* halved: it cannot run away */
+            const double down = fmax(0, at - step), up = fmin(1, at + step),
+                         low = distance2(c, down, p), high = distance2(c, up, p);
+            if (low < least && low <= high) {
+                least = low;
+                at = down;
+            } else if (high < least) {
+                least = high;
+                at = up;
+            } else {
+                step /= 2;
             }
         }
-        if (!better)
-            step /= 2;
+        if (least < best) {
+            best = least;
+            *t = at;
+        }
     }
     return sqrt(best);
 }
@@ -284,7 +296,7 @@ static tz_status weld_end(welder *w, int32_t node)
             }
         }
         double t = 0;
-        const double d = nearest_on(&c, home, &t);
+        const double d = tz_bezier_nearest(&c, home, &t);
         if (d < near_piece || (d == near_piece && (piece < 0 || id < piece))) {
             near_piece = d;
             piece = id;

@@ -37,4 +37,7 @@ TZ_API tz_status tz_curve_append(tz_ctx *ctx, tz_curve_set *to, const tz_curve_s
 TZ_API tz_status tz_curve_weld(tz_ctx *ctx, tz_curve_set *s, int32_t first, double reach,
                                int32_t *joined);
 
+/** Distance of a place to the nearest one of a cubic. @param[out] t  of that */
+TZ_API double tz_bezier_nearest(const tz_bezier *c, tz_vec2 p, double *t);
+
 #endif

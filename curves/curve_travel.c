@@ -167,7 +167,7 @@ static tz_vec2 end_of(const tour *t, int32_t k)
     return k < 0 ? t->begin : t->reversed[k] ? s->from : s->to;
 }
 
-static double apart(tz_vec2 p, tz_vec2 q) { return hypot(p.x - q.x, p.y - q.y); }
+static double apart(tz_vec2 p, tz_vec2 q) { return tz_vec2_length(tz_vec2_sub(p, q)); }
 
 /** The way from the end of stroke k to a place; none behind the last stroke. */
 static double way_to(const tour *t, tz_vec2 from, int32_t k)

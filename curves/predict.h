@@ -12,10 +12,13 @@ typedef struct tz_curve_predict_job {
     const tz_curve_set *drawing; /**< all that is drawn; not changed */
     const tz_region
         *from;           /**< where the exemplar is taken from; NULL = all of the drawing
-                                outside `to` */
+                                outside `to` that has something drawn near it. Regions span
+                                the drawing's domain */
     const tz_region *to; /**< where it is foretold. What is drawn inside it stays, and is
                                 fitted */
-    const tz_curve_arrange_params *params; /**< NULL = defaults */
+    const tz_curve_arrange_params
+        *params; /**< NULL = defaults; method AUTO means quilting,
+                                                which joins what is drawn without fail */
     uint64_t seed;
 } tz_curve_predict_job;
 
@@ -32,12 +35,13 @@ typedef struct tz_curve_prediction {
     TZ_ARRAY(uint8_t)
     path; /**< tz_curve_choice of set.path */
     TZ_ARRAY(uint8_t)
-    element; /**< tz_curve_choice of set.element.element */
+    element;       /**< tz_curve_choice of set.element.element */
+    int32_t round; /**< how often it was foretold anew */
 } tz_curve_prediction;
 
 /** @param[out] p  overwritten, not freed; zeroed on error; everything TZ_CURVE_OPEN
- * @return TZ_OK; TZ_INVALID (region outside the drawing, nothing drawn to go by); what
- *   tz_curve_arrange returns
+ * @return TZ_OK; TZ_INVALID (region outside the drawing or as large as it, nothing drawn
+ *   to go by); what tz_curve_arrange returns
  * @cost that of arranging the region */
 TZ_API tz_status tz_curve_predict(tz_ctx *ctx, const tz_curve_predict_job *job,
                                   tz_curve_prediction *p);
@@ -52,11 +56,13 @@ TZ_API int32_t tz_curve_predict_mark_at(tz_curve_prediction *p, tz_vec2 at, doub
                                         tz_curve_choice choice);
 /** Adds what is taken to the drawing, joined with what it meets, and drops it and what is
  * left from the prediction; what is open stays open.
- * @param[in,out] drawing  unchanged on error
- * @return TZ_OK; TZ_INVALID (pens of another drawing); TZ_NOMEM */
+ * @param[in,out] drawing  unchanged on error (as the prediction is)
+ * @return TZ_OK; TZ_INVALID (elements of another drawing); TZ_NOMEM */
 TZ_API tz_status tz_curve_predict_accept(tz_ctx *ctx, tz_curve_prediction *p,
                                          tz_curve_set *drawing);
-/** Foretells anew what is open, around what is drawn by now, with another seed. */
+/** Foretells anew what is open, around what is drawn and taken by now, with another seed;
+ * what is left goes.
+ * @param[in,out] p  unchanged on error */
 TZ_API tz_status tz_curve_predict_again(tz_ctx *ctx, const tz_curve_predict_job *job,
                                         tz_curve_prediction *p);
 
