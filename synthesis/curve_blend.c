@@ -220,6 +220,20 @@ static tz_status work_init(tz_ctx *ctx, tz_strip_work *w)
     return s;
 }
 
+/* A pixel of the photo itself, where a place falls onto its middle: what is moved by whole
+ * pixels is copied, not resampled. */
+static bool take_pixel(const tz_source_plane *p, double u, double v, float *texel)
+{
+    const double x = floor(u * p->sx), y = floor(v * p->sy);
+    if (!(fabs(u * p->sx - x - 0.5) < 1e-4 && fabs(v * p->sy - y - 0.5) < 1e-4) ||
+        !(x >= 0 && y >= 0 && x < p->width && y < p->height))
+        return false;
+    memcpy(texel,
+           p->texel + ((int64_t)y + p->pad) * p->stride + ((int64_t)x + p->pad) * p->step,
+           (size_t)p->step * sizeof *texel);
+    return true;
+}
+
 /* Samples of n places of one plane. */
 static void sample(const tz_strips *s, int32_t plane, const double *u, const double *v,
                    int32_t n, float *texel, tz_f4 *out)
@@ -227,7 +241,15 @@ static void sample(const tz_strips *s, int32_t plane, const double *u, const dou
     const tz_source_plane *p = tz_strip_plane(s, plane);
     const int32_t step = p->step;
     if (p->spline) {
-        tz_source_points(p, u, v, n, texel);
+        int32_t known = 0;
+        while (known < n &&
+               take_pixel(p, u[known], v[known], texel + (int64_t)known * step))
+            known++;
+        if (known < n)
+            tz_source_points(p, u + known, v + known, n - known,
+                             texel + (int64_t)known * step);
+        for (int32_t i = known; i < n; i++)
+            take_pixel(p, u[i], v[i], texel + (int64_t)i * step);
     } else { /* only ever moved by whole pixels */
         const float *origin = p->texel + p->pad * p->stride + (int64_t)p->pad * step;
         for (int32_t i = 0; i < n; i++) {

@@ -70,4 +70,9 @@ tz_status tz_near_grid(tz_ctx *ctx, const tz_near *n, int64_t x0, int64_t y0,
                        int32_t spacing, int32_t nx, int32_t ny, tz_near_place *out,
                        tz_near_scratch *scratch);
 
+/** For each pixel of rect the nearest path (-1: none within reach), px to it (infinite), and
+ * px along it from its beginning (0). NULL = not wanted. */
+tz_status tz_near_map(tz_ctx *ctx, const tz_near *near, tz_rect rect, int32_t *id,
+                      float *distance, float *along);
+
 #endif

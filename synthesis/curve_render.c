@@ -396,6 +396,19 @@ tz_status tz_curve_composer_render(tz_ctx *ctx, const tz_curve_composer *c, tz_r
     return s;
 }
 
+tz_status tz_curve_composer_map(tz_ctx *ctx, const tz_curve_composer *c, tz_rect rect,
+                                int32_t *id, float *distance, float *along)
+{
+    tz_near near = {0};
+    tz_status s = check_rect(ctx, c, rect);
+    if (s == TZ_OK)
+        s = tz_near_init(ctx, c->set, &c->canvas, 1e5, &near);
+    if (s == TZ_OK)
+        s = tz_near_map(ctx, &near, rect, id, distance, along);
+    tz_near_deinit(ctx, &near);
+    return s;
+}
+
 tz_status tz_curve_composer_stream(tz_ctx *ctx, const tz_curve_composer *c, tz_rect rect,
                                    tz_image_sink *sink)
 {

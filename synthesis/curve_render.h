@@ -7,11 +7,17 @@
  * Any crop equals that part of the whole, bit for bit, at any thread count; on a torus what
  * reaches over a border comes in again on the other side.
  *
- * From a photo: each piece of a layout carries its origin, a curve of the photo. What lies
- * about that curve, as far as half of the cell, is carried along to the layout's piece:
- * place along and distance across stay what they were. Where the strips of several lines
- * meet, the nearest line's pixels lie above; they go over into the ground (the plate
- * arranged, synthesis/element_ground.h) by the gradient-domain blend of the compositor.
+ * From a photo: each piece of a layout carries its origin, a curve of the photo (a set
+ * without origins is an exemplar: its pieces are their own). What lies about that curve is
+ * carried along to the layout's piece: place along and distance across stay what they were.
+ * Each pixel belongs to the nearest line; where that would show another line of the photo,
+ * or nothing of it, the ground (the plate arranged, synthesis/element_ground.h) shows, or
+ * without a ground the line's strip all the same. Seams are blended in the gradient domain,
+ * as the compositor does. Of an exemplar drawn where it is the result is the photo, but for
+ * its finest contrast where the scale is not 1.
+ *
+ * Strokes: one path is one shape, of its pen's colour; lines that come later lie above.
+ * Blended in linear light, as elements are.
  * @source Hertzmann et al.: Curve analogies, 2002; Fang, Hart: Textureshop's distance
  *   parametrisation, 2004; synthesis/compose.h for the blend */
 #ifndef TZ_SYNTHESIS_CURVE_RENDER_H
@@ -34,12 +40,14 @@ TZ_API extern const tz_param_table tz_curve_render_param_table;
 typedef struct tz_curve_composer tz_curve_composer;
 
 /** @param ground  NULL = nothing lies beneath: strokes on the set's background, or
- *    transparent
+ *    transparent. With it, the set's own background does not show
+ *    Strokes without a ground have 3 channels on an opaque background, else 4; the photo
+ *    has its own channels, with alpha where nothing lies beneath
  *  @param set     must outlive the composer; its discrete elements are drawn above
  *  @param photo   NULL, or the pixels of photo 0 of set->element
  *  @param kind    colour, normals (turned with the line), or data
  *  @return TZ_OK; TZ_INVALID (names what does not fit); TZ_LIMIT; TZ_NOMEM
- *  @cost linear in the set's pieces */
+ *  @cost linear in the set's pieces; of a photo also in its pixels */
 TZ_API tz_status tz_curve_composer_new(tz_ctx *ctx, const tz_element_ground *ground,
                                        const tz_curve_set *set,
                                        const tz_element_pixels *photo, tz_map_kind kind,
@@ -58,9 +66,11 @@ TZ_API tz_status tz_curve_composer_render(tz_ctx *ctx, const tz_curve_composer *
 /** Renders rect in strips into a sink, within the context's memory budget. */
 TZ_API tz_status tz_curve_composer_stream(tz_ctx *ctx, const tz_curve_composer *c,
                                           tz_rect rect, tz_image_sink *sink);
-/** Where pixels come from, for the maps of synthesis/element_render.h: which path is
- * nearest (id), distance to it (px of the canvas), place along it.
- * @param[out] id, distance, along  rect.w * rect.h each, NULL = not wanted */
+/** Where pixels lie: which path is nearest, the distance to its middle, and the length of
+ * it up to there, both px of the canvas. Discrete elements do not count.
+ * @param[out] id, distance, along  rect.w * rect.h each, NULL = not wanted; id -1, distance
+ *   infinite, along 0 where no path is within 100,000 px
+ * @cost linear in pieces and pixels */
 TZ_API tz_status tz_curve_composer_map(tz_ctx *ctx, const tz_curve_composer *c,
                                        tz_rect rect, int32_t *id, float *distance,
                                        float *along);

@@ -203,6 +203,33 @@ static tz_status measure_cells(tz_ctx *ctx, const tz_curve_set *set, tz_strips *
     return st;
 }
 
+/* Unit tangent; where the slope vanishes, of a chord near t. */
+static tz_vec2 tangent(const tz_bezier *c, double t, tz_vec2 slope)
+{
+    double l = tz_vec2_length(slope);
+    if (!(l > 1e-6)) {
+        const double a = fmax(t - 0.05, 0), b = fmin(t + 0.05, 1);
+        slope = tz_vec2_sub(tz_bezier_at(c, b), tz_bezier_at(c, a));
+        l = tz_vec2_length(slope);
+        if (!(l > 1e-12))
+            return (tz_vec2){1, 0};
+    }
+    return tz_vec2_scale(slope, 1 / l);
+}
+
+static tz_status find_tangents(tz_ctx *ctx, tz_strips *s)
+{
+    const int32_t n = s->near.piece.n;
+    tz_status st = tz_alloc(ctx, &s->end, 2 * (size_t)n, sizeof *s->end);
+    for (int32_t i = 0; i < 2 * n && st == TZ_OK; i++) {
+        const tz_bezier *c = &s->near.piece.v[i / 2].at, *f = &s->from[i / 2];
+        const double t = i % 2;
+        s->end[i].at = tangent(c, t, tz_bezier_slope(c, t));
+        s->end[i].from = tangent(f, t, tz_bezier_slope(f, t));
+    }
+    return st;
+}
+
 /* ---- making ---------------------------------------------------------------------------- */
 
 /* Mean of boxes: a photo shown smaller than it is. */
@@ -296,6 +323,8 @@ tz_status tz_strips_init(tz_ctx *ctx, const tz_curve_set *set,
         reach = ground ? 1.5 * largest + 16 : 1e5;
     if (st == TZ_OK)
         st = tz_near_init(ctx, set, canvas, reach / s->shrink, &s->near);
+    if (st == TZ_OK)
+        st = find_tangents(ctx, s);
     if (st == TZ_OK) {
         s->guard = usual_half(set, s) + 2;
         st = make_plane(ctx, s, map);
@@ -309,6 +338,7 @@ void tz_strips_deinit(tz_ctx *ctx, tz_strips *s)
 {
     tz_near_deinit(ctx, &s->near);
     tz_free(ctx, s->from);
+    tz_free(ctx, s->end);
     tz_free(ctx, s->half);
     tz_free(ctx, s->apart);
     tz_source_plane_deinit(ctx, &s->photo);
@@ -325,20 +355,6 @@ static tz_vec2 turn_by(tz_vec2 r, tz_vec2 v) /* complex product */
 static tz_vec2 turn_back(tz_vec2 a, tz_vec2 b) /* a times b's conjugate */
 {
     return (tz_vec2){a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y};
-}
-
-/* Unit tangent; where the slope vanishes, of a chord near t. */
-static tz_vec2 tangent(const tz_bezier *c, double t, tz_vec2 slope)
-{
-    double l = tz_vec2_length(slope);
-    if (!(l > 1e-6)) {
-        const double a = fmax(t - 0.05, 0), b = fmin(t + 0.05, 1);
-        slope = tz_vec2_sub(tz_bezier_at(c, b), tz_bezier_at(c, a));
-        l = tz_vec2_length(slope);
-        if (!(l > 1e-12))
-            return (tz_vec2){1, 0};
-    }
-    return tz_vec2_scale(slope, 1 / l);
 }
 
 static tz_vec2 bend_of(const tz_bezier *c, double t) /* second derivative */
@@ -384,11 +400,10 @@ static void map_along(const tz_strips *s, const tz_near_place *q, tz_strip_map *
 static void branch(const tz_strips *s, int32_t end, tz_vec2 *d, tz_vec2 *e, tz_vec2 *at)
 {
     const int32_t piece = end / 2;
-    const double t = end % 2, side = end % 2 ? -1 : 1;
-    const tz_bezier *c = &s->near.piece.v[piece].at, *f = &s->from[piece];
-    *d = tz_vec2_scale(tangent(c, t, tz_bezier_slope(c, t)), side);
-    *e = tz_vec2_scale(tangent(f, t, tz_bezier_slope(f, t)), side);
-    *at = f->p[end % 2 ? 3 : 0];
+    const double side = end % 2 ? -1 : 1;
+    *d = tz_vec2_scale(s->end[end].at, side);
+    *e = tz_vec2_scale(s->end[end].from, side);
+    *at = s->from[piece].p[end % 2 ? 3 : 0];
 }
 
 /* The wedge at a node. False where the node is the end of a smooth line. */

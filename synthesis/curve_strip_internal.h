@@ -18,7 +18,10 @@ typedef struct tz_strip_map {
 
 typedef struct tz_strips {
     tz_near near;
-    tz_bezier *from;       /**< per piece: its line in the photo, px */
+    tz_bezier *from; /**< per piece: its line in the photo, px */
+    struct tz_strip_end {
+        tz_vec2 at, from;  /**< unit tangents, on the canvas and in the photo */
+    } * end;               /**< per piece: at its beginning and its end */
     tz_curve_taper *half;  /**< per piece: half its width, photo px */
     double shrink;         /**< photo px a canvas px */
     double strip;          /**< photo px to either side, over half the width; < 0 = all */
