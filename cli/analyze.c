@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cli/curve_photos.h"
 #include "cli/element_exemplar.h"
 #include "cli/exemplars.h"
 #include "cli/figures.h"
@@ -13,6 +14,7 @@ typedef struct values {
     tz_output_params output;
     tz_medium_params medium;
     tz_things_params things;
+    tz_lines_params lines;
     tz_ebpt_params analyze;
 } values;
 
@@ -63,6 +65,8 @@ static tz_status run(tz_cli *cli)
         return s;
     if (as == TZ_AS_ELEMENTS)
         return run_elements(cli, v);
+    if (as == TZ_AS_CURVES)
+        return tz_analyze_curves(cli, cli->operand[0], v->output.output, &v->lines);
     if (tz_path_is_svg(cli->operand[0]))
         return tz_fail(cli->ctx, TZ_INVALID,
                        "%s: is an exemplar already; give a photo or a drawing",
@@ -99,6 +103,7 @@ static const tz_option_group groups[] = {
     {&tz_output_param_table, offsetof(values, output), false},
     {&tz_medium_param_table, offsetof(values, medium), false},
     {&tz_things_param_table, offsetof(values, things), false},
+    {&tz_lines_param_table, offsetof(values, lines), false},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
 };
 static const tz_example examples[] = {
@@ -108,6 +113,8 @@ static const tz_example examples[] = {
      "terrazzo analyze gravel.png -o gravel.svg --groups 600"},
     {"The stones of a photo, cut out along their outlines:",
      "terrazzo analyze rocks.jpg --as elements -o stones.svg"},
+    {"The joints or cracks of a photo, as curves:",
+     "terrazzo analyze rocks.jpg --as curves -o joints.svg"},
     {"The elements of a drawing, as a table:",
      "terrazzo analyze leaves.svg --as elements -o leaves.csv"},
 };
@@ -125,7 +132,9 @@ const tz_command tz_analyze_command = {
         "scale and radius, and writes them as .svg, .json or .csv. With --as elements it "
         "cuts the things (pebbles, setts, leaves, tiles) out of a photo; what lies "
         "beneath "
-        "them goes to NAME.plate.png beside the SVG.",
+        "them goes to NAME.plate.png beside the SVG. With --as curves it follows the "
+        "photo's lines (cracks, veins, joints) and writes them as strokes with their "
+        "widths, the photo without them as the plate.",
     .min_operands = 1,
     .max_operands = 1,
     .group = groups,
