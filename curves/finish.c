@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Finishing, in rounds until nothing is left to do: the curves become a net (joined where
+ * they touch and cross), what the exemplar's net never has is mended, the net becomes
+ * curves again. Where nothing is to be mended, nothing is touched.
+ *
+ * All limits are halves of the least that the exemplar has, so that it passes itself. */
+#include "curves/finish.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "curves/finish_internal.h"
+
+enum { ROUNDS = 6 };
+#define MARGIN  0.2 /* of delta */
+#define SPACING 0.1 /* of delta: points of nets */
+
+/* ---- what the exemplar has ----------------------------------------------------------- */
+
+static double finest(const tz_curve_set *s)
+{
+    const tz_sample_levels l = tz_sample_levels_default(s);
+    return l.spacing[l.levels - 1];
+}
+
+static int up(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static tz_status measure_branches(const tz_net *n, tz_finish_limits *l)
+{
+    TZ_ARRAY(double)
+    length = {0};
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < n->edge.n && s == TZ_OK; i++) {
+        const tz_net_edge *e = &n->edge.v[i];
+        const bool a = tz_net_dangles(n, e->from, l->margin),
+                   b = tz_net_dangles(n, e->to, l->margin);
+        const int32_t far = tz_net_degree(n, a ? e->to : e->from);
+        if (a != b && far >= 3)
+            s = tz_array_push(n->ctx, &length, e->length);
+        if (tz_net_degree(n, e->from) >= 3 && tz_net_degree(n, e->to) >= 3 &&
+            e->from != e->to)
+            l->junction = fmin(l->junction, e->length / 2);
+    }
+    if (s == TZ_OK && length.n > 0) {
+        qsort(length.v, (size_t)length.n, sizeof *length.v, up);
+        l->branch = length.v[length.n / 10];
+        l->least = length.v[0] / 2;
+    }
+    tz_array_free(n->ctx, &length);
+    return s;
+}
+
+static tz_status measure_parts(const tz_net *n, tz_finish_limits *l)
+{
+    double *length = NULL;
+    const tz_status s = tz_finish_parts(n, l->margin, &length);
+    for (int32_t i = 0; i < n->edge.n && s == TZ_OK; i++)
+        l->crumb = fmin(l->crumb, length[n->edge.v[i].part] / 2);
+    tz_free(n->ctx, length);
+    return s;
+}
+
+static tz_status measure_twins(const tz_net *n, tz_finish_limits *l)
+{
+    double *scratch = NULL;
+    tz_status s =
+        tz_alloc(n->ctx, &scratch, (size_t)tz_net_most_points(n), sizeof *scratch);
+    for (int32_t i = 0; i < n->edge.n && s == TZ_OK; i++) {
+        const double reach = 2 * l->twin + 0.6 * n->spacing;
+        l->twin = fmin(l->twin, tz_net_twin(n, i, reach, NULL, scratch) / 2);
+    }
+    tz_free(n->ctx, scratch);
+    return s;
+}
+
+tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
+                            tz_finish_limits *out)
+{
+    const tz_curve_join_params join = {.crossings = true};
+    const double delta = finest(exemplar);
+    tz_finish_limits l = {.delta = delta,
+                          .margin = MARGIN * delta,
+                          .branch = delta,
+                          .least = delta / 2,
+                          .crumb = delta / 2,
+                          .twin = delta / 5,
+                          .junction = delta / 4};
+    tz_curve_set joined = {.ctx = ctx};
+    tz_net n = {.ctx = ctx};
+    tz_status s = tz_curve_join(ctx, exemplar, &join, &joined);
+    if (s == TZ_OK)
+        s = tz_net_init(ctx, &joined, exemplar->pen.n, SPACING * delta, &n);
+    if (s == TZ_OK)
+        s = measure_branches(&n, &l);
+    if (s == TZ_OK)
+        s = measure_parts(&n, &l);
+    if (s == TZ_OK)
+        s = measure_twins(&n, &l);
+    if (s == TZ_OK) {
+        l.ends = n.length > 0 ? tz_net_ends(&n, l.margin) / n.length : 0;
+        for (int32_t i = 0; i < n.set.node.n; i++)
+            l.degrees =
+                tz_net_degree(&n, i) > l.degrees ? tz_net_degree(&n, i) : l.degrees;
+        *out = l;
+    }
+    tz_net_deinit(&n);
+    tz_curve_set_deinit(&joined);
+    return s;
+}
+
+/* ---- sets ---------------------------------------------------------------------------- */
+
+/* Appends the paths of a set, pens shifted by `pens`. */
+static tz_status append(const tz_curve_set *from, int32_t pens, bool tapers, bool origins,
+                        tz_curve_set *to)
+{
+    const int32_t nodes = to->node.n;
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < from->node.n && s == TZ_OK; i++)
+        s = tz_array_push(to->ctx, &to->node, from->node.v[i]);
+    for (int32_t i = 0; i < from->path.n && s == TZ_OK; i++) {
+        const tz_curve_path *p = &from->path.v[i];
+        const double width = from->pen.v[p->pen].width;
+        s = tz_curve_begin(to, p->pen + pens);
+        for (int32_t k = p->piece; k < p->piece + p->pieces && s == TZ_OK; k++) {
+            tz_curve_piece c = from->piece.v[k];
+            tz_curve_carry carry = tz_curve_carried(from, k);
+            c.from += nodes;
+            c.to += nodes;
+            if (!carry.has_taper)
+                carry.taper = (tz_curve_taper){width, width};
+            carry.has_taper = tapers;
+            carry.has_origin = origins;
+            s = tz_curve_add_piece(to, &c, &carry);
+        }
+        if (s == TZ_OK) {
+            tz_curve_end(to, p->closed);
+            to->path.v[to->path.n - 1].closed = p->closed;
+        }
+    }
+    return s;
+}
+
+/* What is given first, so that of lines drawn twice it is what stays; then the set. The
+ * pens of what is given follow those of the set. */
+static tz_status put_together(const tz_curve_set *given, const tz_curve_set *set,
+                              tz_curve_set *out)
+{
+    tz_status s = TZ_OK;
+    *out = (tz_curve_set){
+        .ctx = set->ctx, .domain = set->domain, .element = {.ctx = set->ctx}};
+    for (int32_t i = 0; i < set->pen.n && s == TZ_OK; i++)
+        s = tz_array_push(set->ctx, &out->pen, set->pen.v[i]);
+    for (int32_t i = 0; given && i < given->pen.n && s == TZ_OK; i++)
+        s = tz_array_push(set->ctx, &out->pen, given->pen.v[i]);
+    if (s == TZ_OK && given)
+        s = append(given, set->pen.n, set->taper.n > 0, set->origin.n > 0, out);
+    return s == TZ_OK ? append(set, 0, set->taper.n > 0, set->origin.n > 0, out) : s;
+}
+
+/* The paths of `from` whose pens are the set's, into the set; all else in it stays. */
+static tz_status take_over(const tz_curve_set *from, tz_curve_set *set)
+{
+    tz_curve_set out = {.ctx = set->ctx, .domain = set->domain};
+    tz_curve_set own = {.ctx = set->ctx, .domain = set->domain};
+    bool *gone = NULL;
+    tz_status s = tz_alloc_zero(set->ctx, &gone, (size_t)from->piece.n, sizeof *gone);
+    for (int32_t i = 0; i < from->path.n && s == TZ_OK; i++)
+        for (int32_t k = 0; k < from->path.v[i].pieces; k++)
+            gone[from->path.v[i].piece + k] = from->path.v[i].pen >= set->pen.n;
+    for (int32_t i = 0; i < from->node.n && s == TZ_OK; i++)
+        s = tz_array_push(set->ctx, &out.node, from->node.v[i]);
+    if (s == TZ_OK)
+        s = tz_curve_chain(set->ctx, from, gone, false, &out);
+    tz_free(set->ctx, gone);
+    if (s == TZ_OK) {
+        own = *set;
+        set->node.v = out.node.v, set->node.n = out.node.n, set->node.cap = out.node.cap;
+        set->piece.v = out.piece.v, set->piece.n = out.piece.n;
+        set->piece.cap = out.piece.cap;
+        set->path.v = out.path.v, set->path.n = out.path.n, set->path.cap = out.path.cap;
+        set->taper.v = out.taper.v, set->taper.n = out.taper.n;
+        set->taper.cap = out.taper.cap;
+        set->origin.v = out.origin.v, set->origin.n = out.origin.n;
+        set->origin.cap = out.origin.cap;
+        out.node.v = own.node.v, out.piece.v = own.piece.v, out.path.v = own.path.v;
+        out.taper.v = own.taper.v, out.origin.v = own.origin.v;
+    }
+    tz_curve_set_deinit(&out);
+    return s;
+}
+
+/* ---- rounds -------------------------------------------------------------------------- */
+
+typedef struct finishing {
+    tz_ctx *ctx;
+    tz_finish_limits limit;
+    int32_t pens;     /* of the set; those behind are given */
+    tz_curve_set now; /* the set as a net */
+    tz_curve_finish_report report;
+    bool changed;
+} finishing;
+
+/* One round; `again` where something has been done. */
+static tz_status finish_round(finishing *f, bool first, bool *again)
+{
+    tz_net n = {.ctx = f->ctx};
+    tz_net_edit e = {.net = &n};
+    tz_curve_set out = {.ctx = f->ctx};
+    tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta, &n);
+    *again = false;
+    if (s == TZ_OK)
+        s = tz_net_edit_init(&n, &e);
+    if (s == TZ_OK) {
+        f->report.ends[1] = tz_net_ends(&n, f->limit.margin);
+        if (first)
+            f->report.ends[0] = f->report.ends[1];
+        s = tz_finish_clean(&e, &f->limit);
+    }
+    if (s == TZ_OK)
+        s = tz_finish_ends(&e, &f->limit, floor(f->limit.ends * n.length + 0.5));
+    if (s == TZ_OK)
+        s = tz_net_edit_apply(&e, &out);
+    if (s == TZ_OK) {
+        *again = e.closed + e.removed > 0;
+        f->changed = f->changed || *again;
+        f->report.closed += e.closed;
+        f->report.removed += e.removed;
+        f->now = out;
+    }
+    tz_net_edit_deinit(&e);
+    tz_net_deinit(&n);
+    return s;
+}
+
+tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
+                          const tz_curve_set *given, tz_curve_set *set,
+                          tz_curve_finish_report *report)
+{
+    const tz_curve_join_params join = {.crossings = true};
+    finishing f = {.ctx = ctx, .pens = set->pen.n};
+    tz_curve_set all = {.ctx = ctx};
+    bool again = true;
+    if (report)
+        memset(report, 0, sizeof *report);
+    if (set->path.n == 0 || exemplar->path.n == 0)
+        return TZ_OK;
+    tz_status s = tz_finish_measure(ctx, exemplar, &f.limit);
+    if (s == TZ_OK)
+        s = put_together(given, set, &all);
+    if (s == TZ_OK)
+        s = tz_curve_join(ctx, &all, &join, &f.now);
+    f.now.ctx = ctx;
+    for (int k = 0; k < ROUNDS && s == TZ_OK && again; k++)
+        s = finish_round(&f, k == 0, &again);
+    if (s == TZ_OK && f.changed)
+        s = take_over(&f.now, set);
+    if (s == TZ_OK && report)
+        *report = f.report;
+    tz_curve_set_deinit(&all);
+    tz_curve_set_deinit(&f.now);
+    return s;
+}

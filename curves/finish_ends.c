@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Ends that are too many. What could be done about each is listed with its cost, the way
+ * that is bridged over the reach, more where it bends; or the length of a stub over that
+ * of the exemplar's short branches:
+ *
+ *   join    two ends that point at each other          -2 ends
+ *   hit     an end and the line ahead of it            -1
+ *   border  an end that points at the border near by   -1
+ *   stub    a branch that goes                         -1
+ *
+ * and the cheapest is done until there are no more ends than the exemplar has. */
+#include <stdlib.h>
+
+#include "curves/finish_internal.h"
+
+#define REACH   1.25 /* of delta */
+#define AHEAD   0.5  /* cosine of the angle with the end's direction, at least */
+#define STEEP   0.3  /* sine of the angle that a line ahead is met at, at least */
+#define TOUCH   0.08 /* of delta: nearer than this, direction does not matter */
+#define AT_NODE 0.12 /* of delta: a line that is hit so near to its node is hit there */
+
+typedef enum way { JOIN, HIT, BORDER, STUB } way;
+
+typedef struct choice {
+    double cost;
+    way way;
+    int32_t node, other; /* ends; of a stub, its edge */
+    tz_net_point hit;    /* where: piece, t, at */
+} choice;
+
+typedef TZ_ARRAY(choice)
+choices;
+
+static int by_cost(const void *a, const void *b)
+{
+    const choice *p = a, *q = b;
+    if (p->cost != q->cost)
+        return p->cost < q->cost ? -1 : 1;
+    if (p->way != q->way)
+        return p->way < q->way ? -1 : 1;
+    if (p->node != q->node)
+        return p->node < q->node ? -1 : 1;
+    return (p->other > q->other) - (p->other < q->other);
+}
+
+static int32_t end_at(const tz_net *n, int32_t node) { return n->end[n->first[node]]; }
+
+static double cross(tz_vec2 u, tz_vec2 v) { return u.x * v.y - u.y * v.x; }
+
+static double bent(double cosine) { return 1 + 2 * (1 - cosine); }
+
+/* ---- bridges ------------------------------------------------------------------------- */
+
+/* From p in direction u to q, arriving in direction v; v = 0, 0: as it comes. On a torus
+ * q is near p. */
+static tz_bezier bridge(tz_vec2 p, tz_vec2 u, tz_vec2 q, tz_vec2 v)
+{
+    const tz_vec2 d = tz_vec2_sub(q, p);
+    const double n = tz_vec2_length(d) / 3;
+    const tz_vec2 a = tz_vec2_add(p, tz_vec2_scale(u, n));
+    if (v.x != 0 || v.y != 0)
+        return (tz_bezier){{p, a, tz_vec2_sub(q, tz_vec2_scale(v, n)), q}};
+    /* a parabola: its middle point on the end's line */
+    const tz_vec2 m = tz_vec2_add(p, tz_vec2_scale(u, 1.5 * n));
+    return (tz_bezier){
+        {p, a, tz_vec2_add(m, tz_vec2_scale(tz_vec2_sub(q, m), 1.0 / 3)), q}};
+}
+
+static bool crosses(tz_vec2 p, tz_vec2 q, tz_vec2 r, tz_vec2 s)
+{
+    const tz_vec2 d = tz_vec2_sub(q, p), e = tz_vec2_sub(s, r), f = tz_vec2_sub(r, p);
+    const double det = cross(d, e);
+    if (det == 0)
+        return false;
+    const double u = cross(f, e) / det, v = cross(f, d) / det;
+    return u >= 0 && u <= 1 && v >= 0 && v <= 1;
+}
+
+/* Whether a bridge crosses a line, but for the pieces that it joins. */
+static bool blocked(const tz_net *n, const tz_bezier *c, int32_t a, int32_t b)
+{
+    enum { MOST = 1024, STEPS = 6 };
+    int32_t id[MOST];
+    tz_vec2 v[STEPS + 1];
+    const tz_vec2 mid = tz_bezier_at(c, 0.5);
+    double r = 0;
+    for (int k = 0; k <= STEPS; k++) {
+        v[k] = tz_bezier_at(c, (double)k / STEPS);
+        r = fmax(r, tz_vec2_length(tz_vec2_sub(v[k], mid)));
+    }
+    const tz_vec3 in = tz_domain_wrap(&n->set.domain, (tz_vec3){mid.x, mid.y, 0});
+    const int32_t found =
+        tz_grid_query(&n->grid, (tz_vec2){in.x, in.y}, r + n->spacing, id, MOST);
+    for (int32_t i = 0; i < found && i < MOST; i++) {
+        const int32_t k = id[i], piece = n->point.v[k].piece;
+        if (piece == a || piece == b || k + 1 >= n->at[piece + 1])
+            continue;
+        const tz_vec2 p = tz_curve_copy(&n->set.domain, n->point.v[k].at, mid),
+                      q = tz_vec2_add(
+                          p, tz_vec2_sub(n->point.v[k + 1].at, n->point.v[k].at));
+        for (int j = 0; j < STEPS; j++)
+            if (crosses(v[j], v[j + 1], p, q))
+                return true;
+    }
+    return found > MOST;
+}
+
+/* ---- choices ------------------------------------------------------------------------- */
+
+/* Whether a way over the net leads from an end to a point that is near, so that to join
+ * them would only make a small loop. */
+static bool own_line(const tz_net *n, int32_t node, const tz_net_point *q, double d)
+{
+    const int32_t edge = n->edge_of[end_at(n, node) >> 1];
+    const tz_net_edge *e = &n->edge.v[edge];
+    if (n->edge_of[q->piece] != edge)
+        return false;
+    const double along = e->from == node ? q->along : e->length - q->along;
+    return along < 3 * d + 3 * n->spacing;
+}
+
+static tz_status add_joins(const tz_net *n, int32_t node, const tz_finish_limits *l,
+                           const tz_net_point *q, choices *out)
+{
+    const int32_t piece = q->piece;
+    const tz_curve_piece *p = &n->set.piece.v[piece];
+    const int32_t other = q->t <= 0 ? p->from : p->to;
+    if ((q->t > 0 && q->t < 1) || other <= node || !tz_net_dangles(n, other, l->margin))
+        return TZ_OK;
+    const tz_vec2 v = tz_net_vector(n, n->set.node.v[node], n->set.node.v[other]),
+                  u = tz_net_outwards(n, node), w = tz_net_outwards(n, other);
+    const double d = tz_vec2_length(v);
+    if (own_line(n, node, q, d))
+        return TZ_OK;
+    double a = d > 0 ? tz_vec2_dot(u, v) / d : 1, b = d > 0 ? -tz_vec2_dot(w, v) / d : 1;
+    if (d > TOUCH * l->delta && (a < AHEAD || b < AHEAD))
+        return TZ_OK;
+    if (d <= TOUCH * l->delta)
+        a = b = 1;
+    return tz_array_push(n->ctx, out,
+                         ((choice){.cost = d / (REACH * l->delta) * bent(a) * bent(b),
+                                   .way = JOIN,
+                                   .node = node,
+                                   .other = other,
+                                   .hit = *q}));
+}
+
+/* Where the end's ray meets the chord behind that point; else how the point lies to it. */
+static double look_ahead(const tz_net *n, int32_t node, int32_t k, double reach,
+                         tz_net_point *hit)
+{
+    const tz_net_point *q = &n->point.v[k];
+    const tz_vec2 p = n->set.node.v[node], u = tz_net_outwards(n, node),
+                  v = tz_net_vector(n, p, q->at);
+    const double d = tz_vec2_length(v);
+    *hit = *q;
+    if (k + 1 < n->at[q->piece + 1]) {
+        const tz_net_point *r = &n->point.v[k + 1];
+        const tz_vec2 e = tz_vec2_sub(r->at, q->at);
+        const double det = cross(u, e), size = tz_vec2_length(e);
+        const double s = cross(v, e) / det, w = cross(v, u) / det;
+        if (fabs(det) > STEEP * size && s > 0 && s <= reach && w >= 0 && w <= 1) {
+            hit->t = q->t + w * (r->t - q->t);
+            hit->along = q->along + w * (r->along - q->along);
+            return own_line(n, node, hit, s) ? INFINITY : s / reach;
+        }
+    }
+    const double ahead = d > 0 ? tz_vec2_dot(u, v) / d : 0;
+    if (ahead < AHEAD || fabs(cross(v, q->tangent)) < STEEP * d ||
+        own_line(n, node, q, d))
+        return INFINITY;
+    return d / reach * bent(ahead);
+}
+
+static tz_status add_border(const tz_net *n, int32_t node, const tz_finish_limits *l,
+                            choices *out)
+{
+    const tz_domain *d = &n->set.domain;
+    const tz_vec2 p = n->set.node.v[node], u = tz_net_outwards(n, node);
+    const double reach = REACH * l->delta;
+    double lo = 0, hi = reach;
+    const tz_vec2 far = tz_vec2_add(p, tz_vec2_scale(u, reach));
+    if (!(tz_domain_depth(d, (tz_vec3){far.x, far.y, 0}) < 0))
+        return TZ_OK;
+    for (int k = 0; k < 40; k++) {
+        const double mid = (lo + hi) / 2;
+        const tz_vec2 q = tz_vec2_add(p, tz_vec2_scale(u, mid));
+        *(tz_domain_depth(d, (tz_vec3){q.x, q.y, 0}) < 0 ? &hi : &lo) = mid;
+    }
+    return tz_array_push(
+        n->ctx, out,
+        ((choice){.cost = hi / reach,
+                  .way = BORDER,
+                  .node = node,
+                  .other = -1,
+                  .hit = {.at = tz_vec2_add(p, tz_vec2_scale(u, hi)), .piece = -1}}));
+}
+
+static tz_status look_about(const tz_net *n, int32_t node, const tz_finish_limits *l,
+                            choices *out)
+{
+    enum { MOST = 1024 };
+    int32_t id[MOST];
+    const double reach = REACH * l->delta;
+    const int32_t found = tz_grid_query(&n->grid, n->set.node.v[node], reach, id, MOST);
+    choice best = {.cost = INFINITY, .way = HIT, .node = node, .other = -1};
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < found && i < MOST && s == TZ_OK; i++) {
+        const tz_net_point *q = &n->point.v[id[i]];
+        tz_net_point hit;
+        if (q->piece == end_at(n, node) >> 1 &&
+            n->edge.v[n->edge_of[q->piece]].steps < 2 && q->along < 3 * n->spacing)
+            continue;
+        s = add_joins(n, node, l, q, out);
+        const double cost = look_ahead(n, node, id[i], reach, &hit);
+        if (cost < best.cost) {
+            best.cost = cost;
+            best.hit = hit;
+            best.other = id[i];
+        }
+    }
+    if (s == TZ_OK && best.cost < INFINITY)
+        s = tz_array_push(n->ctx, out, best);
+    return s == TZ_OK ? add_border(n, node, l, out) : s;
+}
+
+/* A free branch; `least` alone is a reason. */
+static tz_status add_stub(const tz_net *n, int32_t node, const tz_finish_limits *l,
+                          choices *out)
+{
+    const int32_t edge = n->edge_of[end_at(n, node) >> 1];
+    const tz_net_edge *e = &n->edge.v[edge];
+    const int32_t far = e->from == node ? e->to : e->from;
+    if (tz_net_degree(n, far) < 3 || !(e->length < l->branch || e->length < l->least))
+        return TZ_OK;
+    return tz_array_push(
+        n->ctx, out,
+        ((choice){.cost = e->length < l->least ? -1 : e->length / l->branch,
+                  .way = STUB,
+                  .node = node,
+                  .other = edge}));
+}
+
+/* ---- doing it ------------------------------------------------------------------------ */
+
+static double width_at(const tz_net *n, int32_t node)
+{
+    const int32_t end = end_at(n, node);
+    if (n->set.taper.n == 0)
+        return n->set.pen.v[n->pen[end >> 1]].width;
+    const tz_curve_taper *t = &n->set.taper.v[end >> 1];
+    return end & 1 ? t->to : t->from;
+}
+
+static tz_status add_bridge(tz_net_edit *e, const choice *c, tz_vec2 to, tz_vec2 v,
+                            int32_t node, double width)
+{
+    const tz_net *n = e->net;
+    const tz_vec2 p = n->set.node.v[c->node];
+    const tz_net_bridge b = {.node = {c->node, node},
+                             .curve = bridge(p, tz_net_outwards(n, c->node), to, v),
+                             .taper = {width_at(n, c->node), width},
+                             .pen = n->pen[end_at(n, c->node) >> 1]};
+    e->closed++;
+    return tz_array_push(n->ctx, &e->bridge, b);
+}
+
+static tz_status new_node(tz_net_edit *e, tz_vec2 at, int32_t *node)
+{
+    *node = e->net->set.node.n + e->node.n;
+    return tz_array_push(e->net->ctx, &e->node, at);
+}
+
+/* The piece that is hit is cut, or met at its node. */
+static tz_status hit_line(tz_net_edit *e, const choice *c, const tz_finish_limits *l,
+                          bool *done)
+{
+    tz_net *n = e->net;
+    const tz_curve_piece *p = &n->set.piece.v[c->hit.piece];
+    const tz_bezier b = tz_curve_bezier(&n->set, p);
+    const tz_vec2 from = n->set.node.v[c->node];
+    tz_vec2 at = tz_bezier_at(&b, c->hit.t);
+    int32_t node = -1;
+    tz_status s = TZ_OK;
+    *done = false;
+    if (tz_vec2_length(tz_vec2_sub(at, b.p[0])) < AT_NODE * l->delta)
+        node = p->from, at = b.p[0];
+    else if (tz_vec2_length(tz_vec2_sub(at, b.p[3])) < AT_NODE * l->delta)
+        node = p->to, at = b.p[3];
+    if (e->gone[c->hit.piece] || (node < 0 && e->used[c->hit.piece]) || node == c->node)
+        return TZ_OK;
+    at = tz_curve_copy(&n->set.domain, at, from);
+    const tz_bezier way = bridge(from, tz_net_outwards(n, c->node), at, (tz_vec2){0, 0});
+    if (blocked(n, &way, end_at(n, c->node) >> 1, c->hit.piece))
+        return TZ_OK;
+    if (node < 0) {
+        e->used[c->hit.piece] = true;
+        s = new_node(e, at, &node);
+        if (s == TZ_OK)
+            s = tz_array_push(n->ctx, &e->cut,
+                              ((tz_curve_cut){c->hit.piece, node, c->hit.t}));
+    }
+    *done = s == TZ_OK;
+    return s == TZ_OK ? add_bridge(e, c, at, (tz_vec2){0, 0}, node, width_at(n, c->node))
+                      : s;
+}
+
+static tz_status join_ends(tz_net_edit *e, const choice *c, bool *done)
+{
+    const tz_net *n = e->net;
+    const tz_vec2 from = n->set.node.v[c->node],
+                  at = tz_curve_copy(&n->set.domain, n->set.node.v[c->other], from),
+                  v = tz_vec2_scale(tz_net_outwards(n, c->other), -1);
+    const tz_bezier way = bridge(from, tz_net_outwards(n, c->node), at, v);
+    *done = !blocked(n, &way, end_at(n, c->node) >> 1, end_at(n, c->other) >> 1);
+    return *done ? add_bridge(e, c, at, v, c->other, width_at(n, c->other)) : TZ_OK;
+}
+
+static tz_status reach_border(tz_net_edit *e, const choice *c, bool *done)
+{
+    const tz_net *n = e->net;
+    int32_t node;
+    const tz_bezier way = bridge(n->set.node.v[c->node], tz_net_outwards(n, c->node),
+                                 c->hit.at, (tz_vec2){0, 0});
+    *done = !blocked(n, &way, end_at(n, c->node) >> 1, -1);
+    if (!*done)
+        return TZ_OK;
+    const tz_status s = new_node(e, c->hit.at, &node);
+    return s == TZ_OK
+               ? add_bridge(e, c, c->hit.at, (tz_vec2){0, 0}, node, width_at(n, c->node))
+               : s;
+}
+
+/* A stub whose other end would be left a bad one stays: one at a junction a round. */
+static void drop_stub(tz_net_edit *e, const choice *c, bool *busy, bool *done)
+{
+    const tz_net *n = e->net;
+    const tz_net_edge *d = &n->edge.v[c->other];
+    const int32_t far = d->from == c->node ? d->to : d->from;
+    *done = !busy[far];
+    for (int32_t k = 0; k < d->steps; k++)
+        *done = *done && !e->used[n->step.v[d->step + k] >> 1];
+    if (!*done)
+        return;
+    busy[far] = true;
+    for (int32_t k = 0; k < d->steps; k++)
+        e->gone[n->step.v[d->step + k] >> 1] = true;
+    e->removed++;
+}
+
+static tz_status do_choice(tz_net_edit *e, const choice *c, const tz_finish_limits *l,
+                           bool *busy, double *over)
+{
+    bool done = false;
+    tz_status s = TZ_OK;
+    const int32_t edge = e->net->edge_of[end_at(e->net, c->node) >> 1];
+    if (busy[c->node] || (c->way == JOIN && busy[c->other]) ||
+        e->gone[e->net->step.v[e->net->edge.v[edge].step] >> 1] ||
+        e->merged[c->node] != c->node)
+        return TZ_OK;
+    if (c->way == JOIN && e->gone[end_at(e->net, c->other) >> 1])
+        return TZ_OK;
+    switch (c->way) {
+    case JOIN: s = join_ends(e, c, &done); break;
+    case HIT: s = hit_line(e, c, l, &done); break;
+    case BORDER: s = reach_border(e, c, &done); break;
+    case STUB: drop_stub(e, c, busy, &done); break;
+    }
+    if (!done || s != TZ_OK)
+        return s;
+    busy[c->node] = true;
+    if (c->way == JOIN)
+        busy[c->other] = true;
+    if (c->cost >= 0 || *over > 0)
+        *over -= c->way == JOIN ? 2 : 1;
+    return TZ_OK;
+}
+
+tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most)
+{
+    const tz_net *n = e->net;
+    choices list = {0};
+    bool *busy = NULL;
+    double over = tz_net_ends(n, l->margin) - most;
+    tz_status s = tz_alloc_zero(n->ctx, &busy, (size_t)n->set.node.n, sizeof *busy);
+    for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++) {
+        if (!tz_net_dangles(n, i, l->margin) || e->gone[end_at(n, i) >> 1])
+            continue;
+        s = add_stub(n, i, l, &list);
+        if (s == TZ_OK && over > 0)
+            s = look_about(n, i, l, &list);
+        if (s == TZ_OK && !(i & 4095) && tz_ctx_cancelled(n->ctx))
+            s = TZ_CANCELLED;
+    }
+    if (s == TZ_OK && list.n > 1)
+        qsort(list.v, (size_t)list.n, sizeof *list.v, by_cost);
+    for (int32_t i = 0; i < list.n && s == TZ_OK && (over > 0 || list.v[i].cost < 0); i++)
+        s = do_choice(e, &list.v[i], l, busy, &over);
+    tz_array_free(n->ctx, &list);
+    tz_free(n->ctx, busy);
+    return s;
+}
