@@ -13,21 +13,22 @@
 
 enum { SIDE = 512, MOST_SIDE = 4096, MOST_POINTS = 10000000 };
 
-tz_status tz_field_init(tz_ctx *ctx, tz_vec3 size, bool torus, int32_t side, tz_field *f)
+tz_status tz_element_field_init(tz_ctx *ctx, tz_vec3 size, bool torus, int32_t side,
+                                tz_element_field *f)
 {
-    *f = (tz_field){.ctx = ctx};
+    *f = (tz_element_field){.ctx = ctx};
     if (side < 0 || side > MOST_SIDE)
         return tz_fail(ctx, TZ_INVALID, "a field may have 1 to %d cells a side, not %d",
                        MOST_SIDE, side);
     tz_status s = tz_guide_raster(ctx, size, torus, side ? side : SIDE, &f->raster);
     if (s == TZ_OK)
-        s = tz_field_settle(f);
+        s = tz_element_field_settle(f);
     if (s != TZ_OK)
-        tz_field_deinit(f);
+        tz_element_field_deinit(f);
     return s;
 }
 
-void tz_field_deinit(tz_field *f)
+void tz_element_field_deinit(tz_element_field *f)
 {
     tz_array_free(f->ctx, &f->stroke);
     tz_array_free(f->ctx, &f->point);
@@ -35,13 +36,13 @@ void tz_field_deinit(tz_field *f)
     tz_free(f->ctx, f->cell);
     for (int k = 0; k < 3; k++)
         tz_free(f->ctx, f->nearest[k]);
-    *f = (tz_field){0};
+    *f = (tz_element_field){0};
 }
 
 /* ---- strokes ------------------------------------------------------------------------ */
 
-static tz_status check(tz_ctx *ctx, const tz_field_stroke *s, int32_t n,
-                       const tz_field_point *p)
+static tz_status check(tz_ctx *ctx, const tz_element_field_stroke *s, int32_t n,
+                       const tz_element_field_point *p)
 {
     if (n < 1)
         return tz_fail(ctx, TZ_INVALID, "a stroke has no point");
@@ -63,8 +64,8 @@ static tz_status check(tz_ctx *ctx, const tz_field_stroke *s, int32_t n,
     return TZ_OK;
 }
 
-tz_status tz_field_add(tz_field *f, tz_field_stroke s, int32_t n,
-                       const tz_field_point *point)
+tz_status tz_element_field_add(tz_element_field *f, tz_element_field_stroke s, int32_t n,
+                               const tz_element_field_point *point)
 {
     tz_status st = check(f->ctx, &s, n, point);
     if (st == TZ_OK && (int64_t)f->point.n + n > MOST_POINTS)
@@ -88,9 +89,10 @@ static double to_segment(tz_vec2 p, tz_vec2 a, tz_vec2 b, double *t)
     return hypot(v.x - *t * d.x, v.y - *t * d.y);
 }
 
-static bool meets(const tz_field *f, const tz_field_stroke *s, tz_vec2 at, double radius)
+static bool meets(const tz_element_field *f, const tz_element_field_stroke *s, tz_vec2 at,
+                  double radius)
 {
-    const tz_field_point *p = f->point.v + s->point;
+    const tz_element_field_point *p = f->point.v + s->point;
     double t;
     for (int32_t i = 0; i < s->points; i++)
         if (to_segment(at, p[i].at,
@@ -103,11 +105,11 @@ static bool meets(const tz_field *f, const tz_field_stroke *s, tz_vec2 at, doubl
     return false;
 }
 
-void tz_field_erase(tz_field *f, tz_vec2 at, double radius)
+void tz_element_field_erase(tz_element_field *f, tz_vec2 at, double radius)
 {
     int32_t strokes = 0, points = 0;
     for (int32_t k = 0; k < f->stroke.n; k++) {
-        tz_field_stroke s = f->stroke.v[k];
+        tz_element_field_stroke s = f->stroke.v[k];
         if (meets(f, &s, at, radius))
             continue;
         memmove(f->point.v + points, f->point.v + s.point,
@@ -118,7 +120,8 @@ void tz_field_erase(tz_field *f, tz_vec2 at, double radius)
     f->stroke.n = strokes, f->point.n = points;
 }
 
-tz_status tz_field_place(tz_field *f, const tz_field *preset, tz_affine map)
+tz_status tz_element_field_place(tz_element_field *f, const tz_element_field *preset,
+                                 tz_affine map)
 {
     const double scale = sqrt(fabs(tz_affine_det(map)));
     const int32_t strokes = f->stroke.n, points = f->point.n;
@@ -127,13 +130,13 @@ tz_status tz_field_place(tz_field *f, const tz_field *preset, tz_affine map)
         return tz_fail(f->ctx, TZ_INVALID, "strokes are placed by a map of no area");
     const int32_t n = preset->stroke.n; /* it may be f itself */
     for (int32_t k = 0; k < n && s == TZ_OK; k++) {
-        tz_field_stroke t = preset->stroke.v[k];
+        tz_element_field_stroke t = preset->stroke.v[k];
         const int32_t from = t.point;
         t.radius *= scale;
         t.point = f->point.n;
         s = tz_array_reserve(f->ctx, &f->point, (int64_t)f->point.n + t.points);
         for (int32_t i = 0; i < t.points && s == TZ_OK; i++) {
-            tz_field_point p = preset->point.v[from + i];
+            tz_element_field_point p = preset->point.v[from + i];
             p.at = tz_affine_apply(map, p.at);
             f->point.v[f->point.n++] = p;
         }
@@ -147,8 +150,9 @@ tz_status tz_field_place(tz_field *f, const tz_field *preset, tz_affine map)
 
 /* ---- cells -------------------------------------------------------------------------- */
 
-static void say(tz_field_cell *c, const tz_field_stroke *s, const tz_field_point *a,
-                const tz_field_point *b, double t)
+static void say(tz_element_field_cell *c, const tz_element_field_stroke *s,
+                const tz_element_field_point *a, const tz_element_field_point *b,
+                double t)
 {
     const tz_vec2 d = tz_vec2_sub(b->at, a->at);
     const double l = tz_vec2_length(d);
@@ -169,11 +173,11 @@ typedef struct claim {
 
 /* Cells under a piece of a stroke. Of a stroke's own pieces the nearest one speaks; a later
  * stroke overrules. */
-static void draw_piece(tz_field *f, claim *claims, int32_t stroke,
-                       const tz_field_point *a, const tz_field_point *b)
+static void draw_piece(tz_element_field *f, claim *claims, int32_t stroke,
+                       const tz_element_field_point *a, const tz_element_field_point *b)
 {
     const tz_raster *r = &f->raster;
-    const tz_field_stroke *s = &f->stroke.v[stroke];
+    const tz_element_field_stroke *s = &f->stroke.v[stroke];
     const double cx = r->size.x / r->width, cy = r->size.y / r->height;
     const double reach = fmax(s->radius, 0.75 * fmax(cx, cy));
     const double x[2] = {fmin(a->at.x, b->at.x) - reach, fmax(a->at.x, b->at.x) + reach};
@@ -199,8 +203,8 @@ static void draw_piece(tz_field *f, claim *claims, int32_t stroke,
 }
 
 /* A long piece in parts, or its box would hold far more cells than it passes. */
-static void draw_parts(tz_field *f, claim *claims, int32_t stroke,
-                       const tz_field_point *a, const tz_field_point *b)
+static void draw_parts(tz_element_field *f, claim *claims, int32_t stroke,
+                       const tz_element_field_point *a, const tz_element_field_point *b)
 {
     const tz_raster *r = &f->raster;
     const double cell = fmax(r->size.x / r->width, r->size.y / r->height);
@@ -208,7 +212,7 @@ static void draw_parts(tz_field *f, claim *claims, int32_t stroke,
     const double step = 4 * fmax(f->stroke.v[stroke].radius, 2 * cell);
     const int32_t parts = (int32_t)fmin(fmax(ceil(l / step), 1), 8192);
     for (int32_t k = 0; k < parts; k++) {
-        tz_field_point end[2];
+        tz_element_field_point end[2];
         for (int e = 0; e < 2; e++) {
             const double t = (double)(k + e) / parts;
             end[e].at = tz_vec2_add(a->at, tz_vec2_scale(tz_vec2_sub(b->at, a->at), t));
@@ -222,7 +226,7 @@ static void draw_parts(tz_field *f, claim *claims, int32_t stroke,
     }
 }
 
-static tz_status draw_strokes(tz_field *f)
+static tz_status draw_strokes(tz_element_field *f)
 {
     const size_t n = (size_t)f->raster.width * (size_t)f->raster.height;
     claim *claims = NULL;
@@ -232,8 +236,8 @@ static tz_status draw_strokes(tz_field *f)
     for (size_t i = 0; i < n && s == TZ_OK; i++)
         claims[i] = (claim){0, -1};
     for (int32_t k = 0; k < f->stroke.n && s == TZ_OK; k++) {
-        const tz_field_stroke *t = &f->stroke.v[k];
-        const tz_field_point *p = f->point.v + t->point;
+        const tz_element_field_stroke *t = &f->stroke.v[k];
+        const tz_element_field_point *p = f->point.v + t->point;
         const int32_t pieces = t->points == 1 ? 1 : t->points - !t->closed;
         for (int32_t i = 0; i < pieces; i++)
             draw_parts(f, claims, k, &p[i], &p[(i + 1) % t->points]);
@@ -246,7 +250,7 @@ static tz_status draw_strokes(tz_field *f)
 
 /* ---- the nearest that says something ------------------------------------------------ */
 
-static bool says(const tz_field_cell *c, int what)
+static bool says(const tz_element_field_cell *c, int what)
 {
     if (!(c->weight > 0))
         return false;
@@ -287,7 +291,7 @@ static void sweep_line(const tz_raster *r, int32_t n, double side, const double 
     }
 }
 
-static tz_status find_nearest(tz_field *f, int what)
+static tz_status find_nearest(tz_element_field *f, int what)
 {
     const tz_raster *r = &f->raster;
     const int32_t w = r->width, h = r->height, longer = w > h ? w : h;
@@ -334,12 +338,12 @@ static tz_status find_nearest(tz_field *f, int what)
     return s;
 }
 
-tz_status tz_field_settle(tz_field *f)
+tz_status tz_element_field_settle(tz_element_field *f)
 {
     const size_t n = (size_t)f->raster.width * (size_t)f->raster.height;
     tz_status s = f->cell ? TZ_OK : tz_alloc(f->ctx, &f->cell, n, sizeof *f->cell);
     for (size_t i = 0; i < n && s == TZ_OK; i++)
-        f->cell[i] = f->image ? f->image[i] : (tz_field_cell){.density = -1};
+        f->cell[i] = f->image ? f->image[i] : (tz_element_field_cell){.density = -1};
     if (s == TZ_OK)
         s = draw_strokes(f);
     for (int what = 0; what < 3 && s == TZ_OK; what++)

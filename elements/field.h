@@ -20,84 +20,88 @@
 #include "elements/raster.h"
 
 /** A point of a stroke. */
-typedef struct tz_field_point {
+typedef struct tz_element_field_point {
     tz_vec2 at;
     double size;    /**< > 0; 0 = not said */
     double density; /**< 0 .. 1; < 0 = not said */
-} tz_field_point;
+} tz_element_field_point;
 
-typedef struct tz_field_stroke {
-    int32_t point, points; /**< tz_field.point */
+typedef struct tz_element_field_stroke {
+    int32_t point, points; /**< tz_element_field.point */
     double radius;         /**< half of its width, user units; >= 0 */
     double weight;         /**< > 0 */
     bool directed;         /**< says directions */
     bool closed;
-} tz_field_stroke;
+} tz_element_field_stroke;
 
-typedef enum tz_field_map {
-    TZ_FIELD_DIRECTION, /**< red, green = vector (0.5 = 0, green down); grey = angle */
-    TZ_FIELD_SIZE,      /**< value / 0.5: mid grey is size 1; 0 = not said */
-    TZ_FIELD_DENSITY    /**< value 0 .. 1 */
-} tz_field_map;
+typedef enum tz_element_field_map {
+    TZ_ELEMENT_FIELD_DIRECTION, /**< red, green = vector (0.5 = 0, green down); grey = angle */
+    TZ_ELEMENT_FIELD_SIZE,      /**< value / 0.5: mid grey is size 1; 0 = not said */
+    TZ_ELEMENT_FIELD_DENSITY /**< value 0 .. 1 */
+} tz_element_field_map;
 
 /** What is said in one cell. */
-typedef struct tz_field_cell {
+typedef struct tz_element_field_cell {
     float x, y;    /**< unit vector; 0, 0 = not said */
     float size;    /**< 0 = not said */
     float density; /**< < 0 = not said */
     float weight;
-} tz_field_cell;
+} tz_element_field_cell;
 
 /** Strokes are kept as they were drawn; `cell` is what they and the images say. */
-typedef struct tz_field {
+typedef struct tz_element_field {
     tz_raster raster;
-    TZ_ARRAY(tz_field_stroke)
+    TZ_ARRAY(tz_element_field_stroke)
     stroke;
-    TZ_ARRAY(tz_field_point)
+    TZ_ARRAY(tz_element_field_point)
     point;
-    tz_field_cell *image; /**< what images say, beneath the strokes; NULL = none */
-    tz_field_cell *cell;  /**< after tz_field_settle */
-    int32_t *nearest[3];  /**< of each cell the nearest one that says direction, size,
+    tz_element_field_cell
+        *image;                  /**< what images say, beneath the strokes; NULL = none */
+    tz_element_field_cell *cell; /**< after tz_element_field_settle */
+    int32_t *nearest[3]; /**< of each cell the nearest one that says direction, size,
                                density; -1 = none does */
     tz_ctx *ctx;
-} tz_field;
+} tz_element_field;
 
 /** An empty field over a domain, which says nothing.
  * @param side  cells along the longer side, 1 .. 4096; 0 = 512
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM */
-TZ_API tz_status tz_field_init(tz_ctx *ctx, tz_vec3 size, bool torus, int32_t side,
-                               tz_field *f);
-TZ_API void tz_field_deinit(tz_field *f); /**< takes zeroed */
+TZ_API tz_status tz_element_field_init(tz_ctx *ctx, tz_vec3 size, bool torus,
+                                       int32_t side, tz_element_field *f);
+TZ_API void tz_element_field_deinit(tz_element_field *f); /**< takes zeroed */
 /** Appends a stroke. Between two points size and density are said where both say them.
  * @param s  point, points are set by the call
  * @return TZ_OK; TZ_INVALID (not numbers, no point, a weight or radius out of range);
  *   TZ_LIMIT (over 10 million points); TZ_NOMEM */
-TZ_API tz_status tz_field_add(tz_field *f, tz_field_stroke s, int32_t n,
-                              const tz_field_point *point);
+TZ_API tz_status tz_element_field_add(tz_element_field *f, tz_element_field_stroke s,
+                                      int32_t n, const tz_element_field_point *point);
 /** Takes strokes away: those that a disc meets. */
-TZ_API void tz_field_erase(tz_field *f, tz_vec2 at, double radius);
+TZ_API void tz_element_field_erase(tz_element_field *f, tz_vec2 at, double radius);
 /** Places the strokes of another field again (a preset), mapped; widths are scaled along.
  * @return TZ_OK; TZ_INVALID (the map has no inverse); TZ_LIMIT; TZ_NOMEM */
-TZ_API tz_status tz_field_place(tz_field *f, const tz_field *preset, tz_affine map);
+TZ_API tz_status tz_element_field_place(tz_element_field *f,
+                                        const tz_element_field *preset, tz_affine map);
 /** Adds the strokes of a drawing, whose view is stretched over the domain.
  * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_INVALID (no strokes; a word it does not know, names
  *   it); TZ_LIMIT; TZ_NOMEM */
-TZ_API tz_status tz_field_read_strokes(tz_field *f, const char *path);
+TZ_API tz_status tz_element_field_read_strokes(tz_element_field *f, const char *path);
 /** Adds what an image says everywhere (but where it is transparent).
  * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_NOMEM */
-TZ_API tz_status tz_field_read_image(tz_field *f, const char *path, tz_field_map map);
+TZ_API tz_status tz_element_field_read_image(tz_element_field *f, const char *path,
+                                             tz_element_field_map map);
 /** Reads a drawing of strokes or (other suffix) an image of directions: all of a field.
  * @param[out] f  overwritten; zeroed on error */
-TZ_API tz_status tz_field_read(tz_ctx *ctx, const char *path, tz_vec3 size, bool torus,
-                               tz_field *f);
+TZ_API tz_status tz_element_field_read(tz_ctx *ctx, const char *path, tz_vec3 size,
+                                       bool torus, tz_element_field *f);
 /** Works out the cells; to be called after changes and before use. Where strokes meet in a
  * cell the later one has its say. @return TZ_OK; TZ_NOMEM @cost O(cells + strokes) */
-TZ_API tz_status tz_field_settle(tz_field *f);
+TZ_API tz_status tz_element_field_settle(tz_element_field *f);
 
 /** What is said at a place; NULL = nothing. */
-static inline const tz_field_cell *tz_field_at(const tz_field *f, tz_vec3 at)
+static inline const tz_element_field_cell *tz_element_field_at(const tz_element_field *f,
+                                                               tz_vec3 at)
 {
-    const tz_field_cell *c = &f->cell[tz_raster_at(&f->raster, at)];
+    const tz_element_field_cell *c = &f->cell[tz_raster_at(&f->raster, at)];
     return c->weight > 0 ? c : NULL;
 }
 

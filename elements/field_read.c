@@ -110,10 +110,10 @@ static double length_of(const tz_vec2 *v, int32_t n)
 }
 
 /* A long straight piece gets points where the numbers have theirs. */
-static tz_status add_line(tz_field *f, tz_field_stroke stroke, const tz_vec2 *v,
-                          int32_t n, const words *w)
+static tz_status add_line(tz_element_field *f, tz_element_field_stroke stroke,
+                          const tz_vec2 *v, int32_t n, const words *w)
 {
-    TZ_ARRAY(tz_field_point)
+    TZ_ARRAY(tz_element_field_point)
     points = {0};
     const double all = length_of(v, n);
     const int32_t most = w->sizes > w->densities ? w->sizes : w->densities;
@@ -127,21 +127,21 @@ static tz_status add_line(tz_field *f, tz_field_stroke stroke, const tz_vec2 *v,
         for (int32_t k = 0; k < (parts > 1 ? parts : 1) && s == TZ_OK; k++) {
             const double share = parts > 1 ? (double)k / parts : 0;
             const double t = all > 0 ? (way + share * l) / all : 0;
-            const tz_field_point p = {tz_vec2_add(v[i], tz_vec2_scale(d, share)),
-                                      along(w->size, w->sizes, t, 0),
-                                      along(w->density, w->densities, t, -1)};
+            const tz_element_field_point p = {tz_vec2_add(v[i], tz_vec2_scale(d, share)),
+                                              along(w->size, w->sizes, t, 0),
+                                              along(w->density, w->densities, t, -1)};
             s = tz_array_push(f->ctx, &points, p);
         }
         way += l;
     }
     if (s == TZ_OK)
-        s = tz_field_add(f, stroke, points.n, points.v);
+        s = tz_element_field_add(f, stroke, points.n, points.v);
     tz_array_free(f->ctx, &points);
     return s;
 }
 
-static tz_status add_part(tz_field *f, const char *path, const tz_element_reader *r,
-                          const tz_part *part, words *w)
+static tz_status add_part(tz_element_field *f, const char *path,
+                          const tz_element_reader *r, const tz_part *part, words *w)
 {
     tz_polys lines = {0};
     const double cell = f->raster.size.x / f->raster.width;
@@ -153,10 +153,10 @@ static tz_status add_part(tz_field *f, const char *path, const tz_element_reader
     for (int32_t k = 0; k < lines.part.n && s == TZ_OK; k++) {
         int32_t n;
         const tz_vec2 *v = tz_polys_part(&lines, k, &n);
-        const tz_field_stroke stroke = {.radius = width / 2,
-                                        .weight = w->weight,
-                                        .directed = w->directed,
-                                        .closed = lines.closed.v[k]};
+        const tz_element_field_stroke stroke = {.radius = width / 2,
+                                                .weight = w->weight,
+                                                .directed = w->directed,
+                                                .closed = lines.closed.v[k]};
         if (n > 1 && length_of(v, n) > 0)
             s = add_line(f, stroke, v, n, w);
     }
@@ -164,7 +164,7 @@ static tz_status add_part(tz_field *f, const char *path, const tz_element_reader
     return s;
 }
 
-tz_status tz_field_read_strokes(tz_field *f, const char *path)
+tz_status tz_element_field_read_strokes(tz_element_field *f, const char *path)
 {
     tz_element_reader r;
     words *w = NULL;
@@ -197,23 +197,24 @@ static tz_vec2 direction_of(const tz_image *im, const float *p)
     return tz_vec2_length(v) < blind ? (tz_vec2){0, 0} : v;
 }
 
-static void say_pixel(tz_field_cell *c, tz_field_map map, const tz_image *im,
-                      const float *p)
+static void say_pixel(tz_element_field_cell *c, tz_element_field_map map,
+                      const tz_image *im, const float *p)
 {
     if (im->alpha >= 0 && p[im->alpha] < 0.5f)
         return;
     const tz_vec2 v = direction_of(im, p);
     const double l = tz_vec2_length(v);
     const float value = fminf(fmaxf(p[0], 0), 1);
-    if (map == TZ_FIELD_DIRECTION && l > 0)
+    if (map == TZ_ELEMENT_FIELD_DIRECTION && l > 0)
         c->x = (float)(v.x / l), c->y = (float)(v.y / l), c->weight = 1;
-    if (map == TZ_FIELD_SIZE && value > 0)
+    if (map == TZ_ELEMENT_FIELD_SIZE && value > 0)
         c->size = 2 * value, c->weight = 1;
-    if (map == TZ_FIELD_DENSITY)
+    if (map == TZ_ELEMENT_FIELD_DENSITY)
         c->density = value, c->weight = 1;
 }
 
-tz_status tz_field_read_image(tz_field *f, const char *path, tz_field_map map)
+tz_status tz_element_field_read_image(tz_element_field *f, const char *path,
+                                      tz_element_field_map map)
 {
     const tz_raster *r = &f->raster;
     const size_t n = (size_t)r->width * (size_t)r->height;
@@ -222,7 +223,7 @@ tz_status tz_field_read_image(tz_field *f, const char *path, tz_field_map map)
     if (s == TZ_OK && !f->image) {
         s = tz_alloc(f->ctx, &f->image, n, sizeof *f->image);
         for (size_t i = 0; i < n && s == TZ_OK; i++)
-            f->image[i] = (tz_field_cell){.density = -1};
+            f->image[i] = (tz_element_field_cell){.density = -1};
     }
     for (int32_t j = 0; j < r->height && s == TZ_OK; j++)
         for (int32_t i = 0; i < r->width; i++) {
@@ -235,16 +236,17 @@ tz_status tz_field_read_image(tz_field *f, const char *path, tz_field_map map)
     return s;
 }
 
-tz_status tz_field_read(tz_ctx *ctx, const char *path, tz_vec3 size, bool torus,
-                        tz_field *f)
+tz_status tz_element_field_read(tz_ctx *ctx, const char *path, tz_vec3 size, bool torus,
+                                tz_element_field *f)
 {
-    tz_status s = tz_field_init(ctx, size, torus, 0, f);
+    tz_status s = tz_element_field_init(ctx, size, torus, 0, f);
     if (s == TZ_OK)
-        s = tz_guide_is_svg(path) ? tz_field_read_strokes(f, path)
-                                  : tz_field_read_image(f, path, TZ_FIELD_DIRECTION);
+        s = tz_guide_is_svg(path)
+                ? tz_element_field_read_strokes(f, path)
+                : tz_element_field_read_image(f, path, TZ_ELEMENT_FIELD_DIRECTION);
     if (s == TZ_OK)
-        s = tz_field_settle(f);
+        s = tz_element_field_settle(f);
     if (s != TZ_OK)
-        tz_field_deinit(f);
+        tz_element_field_deinit(f);
     return s;
 }

@@ -4,7 +4,7 @@
  * along a few strokes, and bend if they are soft. No exemplar arrangement is needed, only
  * the things.
  *
- *   tz_field_read(ctx, "strokes.svg", size, torus, &field);
+ *   tz_element_field_read(ctx, "strokes.svg", size, torus, &field);
  *   tz_element_set_like(ctx, &palette, &domain, &layout);
  *   tz_params_default(&tz_fill_param_table, &params);
  *   tz_fill_run(ctx, &(tz_fill_job){.palette = &palette, .domain = domain,
@@ -65,8 +65,8 @@ typedef struct tz_fill_job {
     const tz_fill_entry *entry;    /**< NULL = all of them, in equal shares */
     int32_t entries;
     tz_domain domain;
-    const tz_field *field;        /**< settled; NULL = says nothing */
-    const tz_fill_params *params; /**< NULL = defaults */
+    const tz_element_field *field; /**< settled; NULL = says nothing */
+    const tz_fill_params *params;  /**< NULL = defaults */
     uint64_t seed;
     int32_t
         count; /**< of elements; 0 = by area and density; < 0 = none but what the layout
@@ -142,6 +142,7 @@ TZ_API tz_status tz_fill_run(tz_ctx *ctx, const tz_fill_job *job, tz_element_set
 /** Measures any layout: the report's lower half, by outlines on a raster.
  * @param side  cells along the longer side, 0 = 1024 */
 TZ_API tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
-                                 const tz_field *field, int32_t side, tz_fill_report *r);
+                                 const tz_element_field *field, int32_t side,
+                                 tz_fill_report *r);
 
 #endif

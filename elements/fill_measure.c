@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Figures of a layout, by outlines as they are drawn, on a raster: what is covered, what
+ * two things share, the largest empty disc; and by angles: to strokes, between
+ * neighbours. */
+#include <math.h>
+#include <string.h>
+
+#include "base/kdtree.h"
+#include "elements/bend.h"
+#include "elements/fill.h"
+#include "elements/guide.h"
+
+enum { SIDE = 1024, NEAR = 6 };
+
+typedef struct cover {
+    tz_raster raster;
+    uint8_t *count;
+} cover;
+
+static void add_span(void *user, int32_t row, int32_t x0, int32_t x1)
+{
+    cover *c = user;
+    uint8_t *line = c->count + (ptrdiff_t)row * c->raster.width;
+    for (int32_t x = x0; x < x1; x++)
+        line[x] += line[x] < 255;
+}
+
+/* Outline of an element in the world. */
+static tz_status outline_of(tz_ctx *ctx, const tz_element_set *set, tz_bend_rests *rests,
+                            int32_t i, tz_polys *polys)
+{
+    enum { ROUND = 64 };
+    const tz_element_symbol *y = &set->symbol.v[set->element.v[i].symbol];
+    tz_bend b;
+    tz_status s = tz_bend_rests_warp(rests, i, &b);
+    if (s != TZ_OK)
+        return s;
+    tz_polys_clear(polys);
+    const bool disc = y->outline.n < 3 || y->part.n < 1;
+    for (int32_t k = 0; k < (disc ? ROUND : y->outline.n) && s == TZ_OK; k++) {
+        const double a = 2 * TZ_PI * k / ROUND;
+        const tz_vec2 p =
+            disc ? (tz_vec2){y->radius * cos(a), y->radius * sin(a)} : y->outline.v[k];
+        s = tz_array_push(ctx, &polys->point, tz_bend_apply(&b, p));
+    }
+    for (int32_t k = 0; k < (disc ? 1 : y->part.n) && s == TZ_OK; k++)
+        s = tz_array_push(ctx, &polys->part, disc ? 0 : y->part.v[k]);
+    tz_bend_deinit(&b);
+    return s;
+}
+
+static tz_status add_element(tz_ctx *ctx, const tz_element_set *set, cover *c,
+                             tz_polys *polys)
+{
+    const tz_vec3 size = set->domain.size;
+    tz_box box = tz_box_empty();
+    tz_status s = TZ_OK;
+    for (int32_t k = 0; k < polys->point.n; k++)
+        tz_box_add(&box, polys->point.v[k]);
+    const int32_t few = set->domain.torus;
+    for (int32_t v = -few; v <= few && s == TZ_OK; v++)
+        for (int32_t u = -few; u <= few && s == TZ_OK; u++) {
+            const double x = u * size.x, y = v * size.y;
+            if (box.x1 + x < 0 || box.y1 + y < 0 || box.x0 + x > size.x ||
+                box.y0 + y > size.y)
+                continue;
+            for (int32_t k = 0; k < polys->point.n; k++)
+                polys->point.v[k].x += x, polys->point.v[k].y += y;
+            s = tz_guide_fill(ctx, &c->raster, polys, true, add_span, c);
+            for (int32_t k = 0; k < polys->point.n; k++)
+                polys->point.v[k].x -= x, polys->point.v[k].y -= y;
+        }
+    return s;
+}
+
+static tz_status count_cells(tz_ctx *ctx, const tz_element_set *set, cover *c,
+                             tz_fill_report *r)
+{
+    const tz_raster *g = &c->raster;
+    const size_t n = (size_t)g->width * (size_t)g->height;
+    float *empty = NULL;
+    tz_region *region = NULL;
+    double inside = 0, covered = 0, all = 0, twice = 0, hole = 0;
+    bool any = false;
+    tz_status s = tz_alloc(ctx, &empty, n, sizeof *empty);
+    for (size_t i = 0; i < n && s == TZ_OK; i++) {
+        const tz_vec3 at = {
+            ((double)(i % (size_t)g->width) + 0.5) * g->size.x / g->width,
+            ((double)(i / (size_t)g->width) + 0.5) * g->size.y / g->height, 0};
+        const bool in = tz_domain_contains(&set->domain, at);
+        inside += in, covered += in && c->count[i];
+        all += c->count[i], twice += c->count[i] > 1 ? c->count[i] - 1 : 0;
+        empty[i] = in && !c->count[i];
+        any = any || empty[i] > 0;
+    }
+    if (s == TZ_OK && any)
+        s = tz_region_from_mask(ctx, empty, g->width, g->height, g->size,
+                                set->domain.torus, &region);
+    for (size_t i = 0; i < n && region; i++)
+        hole = fmax(hole, (double)region->distance[i]);
+    tz_region_free(region);
+    tz_free(ctx, empty);
+    r->covered = inside > 0 ? covered / inside : 0;
+    r->overlap = all > 0 ? twice / all : 0;
+    r->hole = hole;
+    return s;
+}
+
+static double turn_between(double a, double b)
+{
+    return fabs(remainder(a - b, 2 * TZ_PI));
+}
+
+static tz_status measure_turns(tz_ctx *ctx, const tz_element_set *set,
+                               const tz_element_field *field, tz_fill_report *r)
+{
+    const int32_t n = set->element.n;
+    float *p = NULL;
+    tz_kdtree tree = {0};
+    double align = 0, said = 0, turn = 0, pairs = 0;
+    tz_status s = tz_alloc(ctx, &p, 2 * (size_t)n, sizeof *p);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++) {
+        p[2 * i] = (float)set->element.v[i].at.x;
+        p[2 * i + 1] = (float)set->element.v[i].at.y;
+    }
+    if (s == TZ_OK && n > 0)
+        s = tz_kdtree_init(ctx, &tree, p, n, 2);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++) {
+        const tz_element *e = &set->element.v[i];
+        int32_t id[NEAR + 1];
+        float d2[NEAR + 1];
+        const int32_t k = tz_kdtree_nearest(&tree, &p[2 * i], NEAR + 1, id, d2);
+        for (int32_t j = 0; j < k; j++)
+            if (id[j] != i)
+                turn += turn_between(e->angle, set->element.v[id[j]].angle), pairs++;
+        const tz_vec3 at = tz_domain_wrap(&set->domain, e->at);
+        const tz_element_field_cell *c =
+            field ? tz_element_field_at(field, (tz_vec3){at.x, at.y, 0}) : NULL;
+        if (c && (c->x != 0 || c->y != 0))
+            align += turn_between(e->angle, atan2((double)c->y, (double)c->x)), said++;
+    }
+    tz_kdtree_deinit(&tree);
+    tz_free(ctx, p);
+    r->align = said > 0 ? align / said : 0;
+    r->turn = pairs > 0 ? turn / pairs : 0;
+    return s;
+}
+
+tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
+                          const tz_element_field *field, int32_t side, tz_fill_report *r)
+{
+    cover c = {.count = NULL};
+    tz_polys polys = {0};
+    tz_bend_rests rests = {0};
+    *r = (tz_fill_report){.elements = layout->element.n};
+    tz_status s = tz_guide_raster(ctx, layout->domain.size, layout->domain.torus,
+                                  side > 0 ? side : SIDE, &c.raster);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &c.count, (size_t)c.raster.width * (size_t)c.raster.height,
+                          1);
+    if (s == TZ_OK)
+        s = tz_bend_rests_init(ctx, layout, &rests);
+    for (int32_t i = 0; i < layout->element.n && s == TZ_OK; i++) {
+        if (layout->kind.v[layout->element.v[i].kind].is_void)
+            continue;
+        s = outline_of(ctx, layout, &rests, i, &polys);
+        if (s == TZ_OK)
+            s = add_element(ctx, layout, &c, &polys);
+    }
+    if (s == TZ_OK)
+        s = count_cells(ctx, layout, &c, r);
+    if (s == TZ_OK)
+        s = measure_turns(ctx, layout, field, r);
+    tz_polys_deinit(ctx, &polys);
+    if (rests.ctx)
+        tz_bend_rests_deinit(&rests);
+    tz_free(ctx, c.count);
+    return s;
+}

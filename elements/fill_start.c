@@ -1,0 +1,421 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where bodies come from: a layout, chance, or the emptiest places.
+ *
+ * [Hsu20] throws all elements at random, and names the local minima that follow: limbs of
+ * a domain that got more than their share keep it. Here half of them (the larger) are
+ * thrown, the rest goes, a part each iteration, to the largest empty discs, which are
+ * corners of the power diagram; later the hardest pressed bodies are moved to what empty
+ * discs there are, so that limbs exchange what they have. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "elements/fill_internal.h"
+
+enum { STREAM_BODY = 0xf1e1d, STREAM_PLACE = 0xf1e1e };
+
+/* ---- what the field says ------------------------------------------------------------ */
+
+static const tz_element_field_cell *nearest(const tz_fill *f, tz_vec3 at, int what)
+{
+    if (!f->field)
+        return NULL;
+    const int64_t i = tz_raster_at(&f->field->raster, tz_domain_wrap(&f->domain, at));
+    const int32_t n = f->field->nearest[what][i];
+    return n < 0 ? NULL : &f->field->cell[n];
+}
+
+double tz_fill_angle(const tz_fill *f, tz_vec3 at, bool *said)
+{
+    const tz_element_field_cell *c = nearest(f, at, 0);
+    *said = c != NULL;
+    return c ? atan2((double)c->y, (double)c->x) : 0;
+}
+
+double tz_fill_size(const tz_fill *f, tz_vec3 at)
+{
+    const tz_element_field_cell *c = nearest(f, at, 1);
+    return c ? (double)c->size : 1;
+}
+
+double tz_fill_rho(const tz_fill *f, tz_vec3 at)
+{
+    const tz_element_field_cell *c = nearest(f, at, 2);
+    return c ? 1 - (double)c->density : 0;
+}
+
+/* ---- counts ------------------------------------------------------------------------- */
+
+/* Mean area of the mix: of each entry that of its sizes, even in their logarithm. */
+static double mean_area(const tz_fill *f)
+{
+    double sum = 0, share = 0;
+    for (int32_t k = 0; k < f->entries; k++) {
+        const tz_fill_model *m = &f->model.v[k];
+        const double a = m->size[0] * m->size[0], b = m->size[1] * m->size[1];
+        const double mean = b > a * 1.0001 ? (b - a) / log(b / a) : a;
+        sum += m->share * m->area * mean, share += m->share;
+    }
+    return sum / share;
+}
+
+tz_status tz_fill_count(tz_fill *f, double *count)
+{
+    enum { PLACES = 64 };
+    const tz_vec3 size = f->domain.size;
+    double sum = 0, inside = 0;
+    for (int i = 0; i < PLACES * PLACES; i++) {
+        const tz_vec3 at = {(i % PLACES + 0.5) / PLACES * size.x,
+                            (i / PLACES + 0.5) / PLACES * size.y, 0};
+        if (!tz_domain_contains(&f->domain, at))
+            continue;
+        const double c = tz_fill_size(f, at), d = 1 + tz_fill_rho(f, at);
+        sum += 1 / (c * c * d * d), inside++;
+    }
+    const double per = inside > 0 ? sum / inside : 1;
+    *count = f->par.fill * tz_domain_area(&f->domain) / mean_area(f) * per;
+    if (*count > TZ_FILL_MOST)
+        return tz_fail(f->ctx, TZ_LIMIT,
+                       "%.3g elements would fill the domain; over %d are too many, take "
+                       "larger ones or a smaller domain",
+                       *count, TZ_FILL_MOST);
+    return TZ_OK;
+}
+
+/* ---- new bodies --------------------------------------------------------------------- */
+
+typedef struct draw {
+    int32_t model;
+    double size, turn, area;
+} draw;
+
+static draw draw_one(const tz_fill *f, int32_t entry, int32_t id)
+{
+    tz_rng g = tz_rng_make(f->seed, tz_rng_stream(STREAM_BODY, (uint64_t)id, 0));
+    double all = 0;
+    for (int32_t k = 0; k < f->entries; k++)
+        all += f->model.v[k].share;
+    double x = tz_rng_unit(&g) * all;
+    int32_t k = 0;
+    for (; k + 1 < f->entries && (x >= f->model.v[k].share || f->model.v[k].share <= 0);
+         k++)
+        x -= f->model.v[k].share;
+    const tz_fill_model *m = &f->model.v[entry >= 0 ? entry : k];
+    const double t = tz_rng_unit(&g);
+    const double size = m->size[0] * pow(m->size[1] / m->size[0], t);
+    return (draw){entry >= 0 ? entry : k, size,
+                  m->turn + m->jitter * (2 * tz_rng_unit(&g) - 1), m->area * size * size};
+}
+
+static tz_status add_drawn(tz_fill *f, const draw *d, tz_vec3 at, int32_t like,
+                           int32_t *out)
+{
+    bool said;
+    double angle = tz_fill_angle(f, at, &said), c = tz_fill_size(f, at);
+    if (like >= 0) { /* where something lies already the fields have grown past strokes */
+        const tz_vec2 t = tz_fill_turn(f, like);
+        angle = atan2(t.y, t.x), c = tz_fill_scale(f, like);
+    }
+    tz_status s = tz_fill_add_body(f, d->model, at, angle, c, d->size, d->turn, out);
+    if (s != TZ_OK)
+        return s;
+    const tz_fill_body *b = &f->body.v[*out];
+    const tz_fill_model *m = &f->model.v[d->model];
+    const double rho = like >= 0 ? f->rho[like] : tz_fill_rho(f, at);
+    /* the middle of its discs lies at the place, wherever its reference point is */
+    tz_vec2 mean = {0, 0};
+    double total = 0;
+    for (int32_t k = 0; k < b->n; k++) {
+        const double w = m->radius[k] * m->radius[k];
+        mean.x += w * f->at[b->first + k].x, mean.y += w * f->at[b->first + k].y;
+        total += w;
+        f->rho[b->first + k] = rho;
+        f->third[b->first + k] = 0;
+    }
+    for (int32_t k = 0; k < b->n; k++) {
+        f->at[b->first + k].x += at.x - mean.x / total;
+        f->at[b->first + k].y += at.y - mean.y / total;
+    }
+    return s;
+}
+
+tz_status tz_fill_new_body(tz_fill *f, int32_t entry, tz_vec3 at, int32_t *out)
+{
+    const draw d = draw_one(f, entry, f->made);
+    return add_drawn(f, &d, at, -1, out);
+}
+
+/* Inside cells of a region, to draw places from. */
+static tz_status inside_cells(tz_fill *f, int32_t **cells, int32_t *n)
+{
+    const tz_region *r = f->domain.region;
+    const int32_t all = r->raster.width * r->raster.height;
+    tz_status s = tz_alloc(f->ctx, cells, (size_t)all, sizeof **cells);
+    *n = 0;
+    for (int32_t i = 0; i < all && s == TZ_OK; i++)
+        if (r->distance[i] > 0)
+            (*cells)[(*n)++] = i;
+    return s;
+}
+
+static tz_vec3 random_place(const tz_fill *f, const int32_t *cells, int32_t n, int32_t id)
+{
+    tz_rng g = tz_rng_make(f->seed, tz_rng_stream(STREAM_PLACE, (uint64_t)id, 0));
+    const double x = tz_rng_unit(&g), y = tz_rng_unit(&g);
+    if (!cells || n == 0)
+        return (tz_vec3){x * f->domain.size.x, y * f->domain.size.y, 0};
+    const tz_raster *r = &f->domain.region->raster;
+    const int32_t i = cells[tz_rng_below(&g, n)];
+    return (tz_vec3){(i % r->width + x) * r->size.x / r->width,
+                     (i / r->width + y) * r->size.y / r->height, 0};
+}
+
+static int by_area(const void *a, const void *b)
+{
+    const draw *p = a, *q = b;
+    return (p->area < q->area) - (p->area > q->area);
+}
+
+/* Stays stable: equal areas keep the order they were drawn in, as ids are in it. */
+static tz_status draw_all(tz_fill *f, int32_t count, draw **out)
+{
+    draw *d = NULL;
+    tz_status s = tz_alloc(f->ctx, &d, (size_t)count, sizeof *d);
+    for (int32_t i = 0; i < count && s == TZ_OK; i++) {
+        d[i] = draw_one(f, -1, i);
+        d[i].area *= 1 - 1e-12 * i;
+    }
+    if (s == TZ_OK && f->par.start == TZ_FILL_INSERT)
+        qsort(d, (size_t)count, sizeof *d, by_area);
+    *out = d;
+    return s;
+}
+
+static tz_status insert_rest(tz_fill *f, const draw *d, int32_t from, int32_t count)
+{
+    tz_status s = TZ_OK;
+    for (int32_t round = 0; from < count && s == TZ_OK && round < 64; round++) {
+        tz_fill_gap *gap = NULL;
+        int32_t n = 0;
+        const int32_t batch = round < 63 ? count / 10 + 1 : count - from;
+        s = tz_fill_iterate(f, round == 0 ? 3 : 1, NULL);
+        if (s == TZ_OK)
+            s = tz_fill_diagram(f);
+        if (s == TZ_OK)
+            s = tz_fill_gaps(f, 0, batch, &gap, &n);
+        for (int32_t k = 0; k < n && from < count && s == TZ_OK; k++) {
+            int32_t out;
+            s = add_drawn(f, &d[from++], gap[k].at, gap[k].sample, &out);
+        }
+        for (int32_t k = n; k < batch && from < count && s == TZ_OK && round > 16; k++) {
+            int32_t out; /* no gaps are left: what comes presses others apart */
+            s = add_drawn(f, &d[from], random_place(f, NULL, 0, from), -1, &out);
+            from++;
+        }
+        tz_free(f->ctx, gap);
+    }
+    return s;
+}
+
+tz_status tz_fill_start_bodies(tz_fill *f, int32_t count)
+{
+    draw *d = NULL;
+    int32_t *cells = NULL, n = 0, out;
+    const bool insert = f->par.start == TZ_FILL_INSERT && count > 8;
+    const int32_t thrown = insert ? (count + 1) / 2 : count;
+    tz_status s = draw_all(f, count, &d);
+    if (s == TZ_OK && f->domain.region)
+        s = inside_cells(f, &cells, &n);
+    for (int32_t i = 0; i < thrown && s == TZ_OK; i++)
+        s = add_drawn(f, &d[i], random_place(f, cells, n, i), -1, &out);
+    if (s == TZ_OK)
+        s = tz_fill_pack(f, true);
+    if (s == TZ_OK && insert)
+        s = insert_rest(f, d, thrown, count);
+    if (s == TZ_OK && insert)
+        s = tz_fill_pack(f, true);
+    tz_free(f->ctx, cells);
+    tz_free(f->ctx, d);
+    return s;
+}
+
+/* ---- from a layout ------------------------------------------------------------------ */
+
+static int32_t entry_of(const tz_fill *f, const tz_element *e)
+{
+    for (int32_t k = 0; k < f->entries; k++)
+        if (f->model.v[k].element == e->source)
+            return f->model.v[k].symbol == e->symbol ? k : -1;
+    return -1;
+}
+
+static tz_status keep_obstacle(tz_fill *f, const tz_element_set *layout,
+                               const tz_element *of)
+{
+    tz_element e = *of;
+    tz_status s = TZ_OK;
+    e.sample = f->obstacle_sample.n;
+    for (int32_t k = 0; k < e.samples && s == TZ_OK; k++)
+        s = tz_array_push(f->ctx, &f->obstacle_sample, layout->sample.v[of->sample + k]);
+    return s == TZ_OK ? tz_array_push(f->ctx, &f->obstacle, e) : s;
+}
+
+tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
+{
+    tz_status s = tz_element_set_check(f->ctx, layout, "layout");
+    for (int32_t i = 0; i < layout->element.n && s == TZ_OK; i++) {
+        const tz_element *e = &layout->element.v[i];
+        int32_t model = entry_of(f, e), body;
+        const bool obstacle = model < 0;
+        if (layout->kind.v[e->kind].is_void)
+            continue;
+        if (obstacle)
+            s = tz_fill_model_of_symbol(f, layout, e->symbol, &model);
+        if (s != TZ_OK)
+            break;
+        const tz_fill_model *m = &f->model.v[model];
+        const double c = obstacle ? 1 : tz_fill_size(f, e->at);
+        const double turn = obstacle ? 0 : m->turn;
+        tz_vec3 at = e->at;
+        /* heaps of elements at one place: the diagram tells no two sites there apart */
+        tz_rng g = tz_rng_make(f->seed, tz_rng_stream(STREAM_PLACE, (uint64_t)i, 1));
+        if (!obstacle && !e->fixed) {
+            at.x += 1e-3 * e->radius * (tz_rng_unit(&g) - 0.5);
+            at.y += 1e-3 * e->radius * (tz_rng_unit(&g) - 0.5);
+        }
+        s = tz_fill_add_body(f, model, at, e->angle - m->angle - turn, c,
+                             e->scale / m->scale / c, turn, &body);
+        if (s != TZ_OK)
+            break;
+        f->body.v[body].fixed = e->fixed || obstacle;
+        f->body.v[body].source = obstacle ? f->obstacle.n : -1;
+        if (obstacle)
+            s = keep_obstacle(f, layout, e);
+        for (int32_t k = f->body.v[body].first; k < f->n; k++) {
+            f->rho[k] = tz_fill_rho(f, f->at[k]);
+            f->third[k] = 0;
+        }
+    }
+    return s;
+}
+
+/* ---- empty places ------------------------------------------------------------------- */
+
+static int by_radius(const void *a, const void *b)
+{
+    const tz_fill_gap *p = a, *q = b;
+    if (p->radius != q->radius)
+        return p->radius < q->radius ? 1 : -1;
+    return (p->sample > q->sample) - (p->sample < q->sample);
+}
+
+/* Whether a corner's power is the greatest about: of the cells that share the corner only
+ * the first has it. */
+static bool is_peak(const tz_power_cells *c, int32_t s)
+{
+    for (int32_t k = 0; k < c->count[s]; k++) {
+        const int32_t q = c->neighbour[c->start[s] + k];
+        const double g = c->gap[q], h = c->gap[s] * (1 + 1e-9);
+        if (g > h || (q < s && g >= c->gap[s] * (1 - 1e-9)))
+            return false;
+    }
+    return c->gap[s] > 0;
+}
+
+/* Radius of the empty disc at a cell's corner. */
+static double room_at(const tz_fill *f, const tz_power_cells *c, int32_t s, tz_vec3 at)
+{
+    double room = tz_domain_depth(&f->domain, tz_domain_wrap(&f->domain, at));
+    for (int32_t k = -1; k < c->count[s]; k++) {
+        const int32_t q = k < 0 ? s : c->neighbour[c->start[s] + k];
+        const tz_vec3 v = tz_fill_vector(f, at, f->at[q]);
+        room = fmin(room, hypot(v.x, v.y) - tz_fill_radius(f, q));
+    }
+    return room;
+}
+
+tz_status tz_fill_gaps(tz_fill *f, double least, int32_t most, tz_fill_gap **out,
+                       int32_t *n)
+{
+    const tz_power_cells c = tz_power_get(f->power);
+    TZ_ARRAY(tz_fill_gap)
+    list = {0};
+    tz_status s = TZ_OK;
+    for (int32_t j = 0; j < f->live_sample.n && s == TZ_OK; j++) {
+        const int32_t i = f->live_sample.v[j];
+        if (i >= c.n || !is_peak(&c, i))
+            continue;
+        const tz_vec3 p = tz_domain_wrap(&f->domain, f->at[i]);
+        const tz_vec3 at = {p.x + c.gap_at[i].x, p.y + c.gap_at[i].y, 0};
+        const double r = room_at(f, &c, i, at);
+        if (r >= least)
+            s = tz_array_push(f->ctx, &list,
+                              ((tz_fill_gap){r, tz_domain_wrap(&f->domain, at), i}));
+    }
+    if (s == TZ_OK && list.n > 1)
+        qsort(list.v, (size_t)list.n, sizeof *list.v, by_radius);
+    *n = s != TZ_OK ? 0 : list.n < most ? list.n : most;
+    if (s != TZ_OK)
+        tz_array_free(f->ctx, &list);
+    *out = list.v;
+    return s;
+}
+
+typedef struct pressed {
+    double pressure, radius;
+    int32_t body;
+} pressed;
+
+static int by_pressure(const void *a, const void *b)
+{
+    const pressed *p = a, *q = b;
+    if (p->pressure != q->pressure)
+        return p->pressure < q->pressure ? 1 : -1;
+    return (p->body > q->body) - (p->body < q->body);
+}
+
+/* Bodies that lack more than their neighbours can give go where their largest disc fits. */
+tz_status tz_fill_teleport(tz_fill *f, double share)
+{
+    const double enough = 0.45;
+    TZ_ARRAY(pressed)
+    list = {0};
+    tz_fill_gap *gap = NULL;
+    int32_t gaps = 0, next = 0;
+    tz_status s = TZ_OK;
+    double least = HUGE_VAL;
+    for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
+        const tz_fill_body *b = &f->body.v[f->live.v[j]];
+        pressed p = {0, 0, f->live.v[j]};
+        for (int32_t i = b->first; i < b->first + b->n; i++) {
+            p.pressure = fmax(p.pressure, f->pressure[i]);
+            p.radius = fmax(p.radius, tz_fill_radius(f, i));
+        }
+        if (p.pressure < enough)
+            continue;
+        least = fmin(least, p.radius);
+        s = tz_array_push(f->ctx, &list, p);
+    }
+    const int32_t most = (int32_t)fmin(list.n, ceil(share * f->live.n));
+    if (s == TZ_OK && most > 0)
+        s = tz_fill_gaps(f, 0.75 * least, 4 * most, &gap, &gaps);
+    if (list.n > 1)
+        qsort(list.v, (size_t)list.n, sizeof *list.v, by_pressure);
+    for (int32_t k = 0; k < list.n && next < gaps && next < most && s == TZ_OK; k++) {
+        const tz_fill_body *b = &f->body.v[list.v[k].body];
+        if (list.v[k].radius * 0.75 > gap[next].radius)
+            continue;
+        const int32_t near = gap[next].sample;
+        const tz_vec2 t = tz_fill_turn(f, near);
+        if (near >= b->first && near < b->first + b->n)
+            continue; /* it lies there itself */
+        tz_fill_put(f, list.v[k].body, gap[next].at, atan2(t.y, t.x),
+                    tz_fill_scale(f, near));
+        next++;
+        f->moved++;
+        f->fresh = false;
+    }
+    tz_array_free(f->ctx, &list);
+    tz_free(f->ctx, gap);
+    return s;
+}

@@ -1,0 +1,545 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Neighbours, and the field terms: Eq. (5) to (12).
+ *
+ * Links of a node are its samples' three (in space four) nearest samples of other bodies,
+ * by distance over the sum of radii, and theirs; [Hsu20] takes the nearest of all, but
+ * samples of one body overlap and would be all of them, so that bodies of many discs had
+ * no continuity with others. Of a soft body the samples that its graph joins are linked
+ * too, so that it stays smooth at rigidity 0. That s' is among the nearest of s is read
+ * off the third smallest key of s, so that lists need not be turned round.
+ *
+ * Confidence, Eq. (7), is area over that of a unit of the domain; a pixel there, here
+ * 1/CONFIDENT of a mean disc, so that nothing depends on units. */
+#include "elements/fill_internal.h"
+
+#include <string.h>
+
+#define CONFIDENT 100.0
+#define SMALL     1e-3 /* change of a scale or a column that does not matter */
+enum { ROUNDS = 40, LM_STEPS = 2 };
+
+/* ---- the diagram -------------------------------------------------------------------- */
+
+static void weigh(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    tz_fill *f = arg;
+    (void)sums;
+    for (int32_t k = from; k < to; k++) {
+        const int32_t s = f->live_sample.v[k];
+        const double r = tz_fill_radius(f, s);
+        f->weight[s] = r * r;
+    }
+}
+
+tz_status tz_fill_diagram(tz_fill *f)
+{
+    tz_status s = tz_fill_lists(f);
+    if (s != TZ_OK)
+        return s;
+    const bool all =
+        f->all_live || f->live_sample.n > f->n / 2 || tz_power_get(f->power).n == 0;
+    if (!f->fresh || all) {
+        for (int32_t b = 0; b < f->body.n; b++) {
+            const tz_fill_body *q = &f->body.v[b];
+            for (int32_t i = q->first; i < q->first + q->n; i++) {
+                const double r = tz_fill_radius(f, i);
+                f->weight[i] = q->gone ? -1 : r * r;
+            }
+        }
+    } else {
+        s = tz_fill_blocks(f->ctx, f->live_sample.n, weigh, f, NULL);
+    }
+    if (s == TZ_OK)
+        s = all ? tz_power_update(f->power, f->n, f->at, f->weight)
+                : tz_power_change(f->power, f->n, f->at, f->weight, f->live_sample.n,
+                                  f->live_sample.v);
+    f->fresh = s == TZ_OK;
+    return s;
+}
+
+/* ---- neighbours --------------------------------------------------------------------- */
+
+typedef struct near_run {
+    tz_fill *f;
+    const tz_power_cells *cells;
+} near_run;
+
+/* Distance over the sum of radii: w_v^-1 of Eq. (2). */
+static double key_of(const tz_fill *f, int32_t s, int32_t t)
+{
+    const tz_vec3 v = tz_fill_vector(f, f->at[s], f->at[t]);
+    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z) /
+           (tz_fill_radius(f, s) + tz_fill_radius(f, t));
+}
+
+static void find_thirds(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const near_run *t = arg;
+    tz_fill *f = t->f;
+    const int most = f->dim + 1;
+    (void)sums;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t s = f->live_sample.v[j];
+        double best[4] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        const int32_t *near = t->cells->neighbour + t->cells->start[s];
+        for (int32_t k = 0; k < t->cells->count[s]; k++) {
+            if (f->owner[near[k]] == f->owner[s])
+                continue;
+            double key = key_of(f, s, near[k]);
+            for (int i = 0; i < most; i++)
+                if (key < best[i]) {
+                    const double swap = best[i];
+                    best[i] = key, key = swap;
+                }
+        }
+        double last = 0;
+        for (int i = 0; i < most; i++)
+            last = best[i] < HUGE_VAL ? best[i] : last;
+        f->third[s] = last;
+    }
+}
+
+static void look_up(tz_fill *f, int32_t s)
+{
+    const tz_element_field *d = f->field;
+    const double r = f->c[s] * f->radius[s];
+    const double sure = CONFIDENT * r * r / (f->unit * f->unit);
+    f->confident[s] = f->said_c[s] = f->said_rho[s] = 0;
+    if (!d)
+        return;
+    const tz_vec3 at = tz_domain_wrap(&f->domain, f->at[s]);
+    const int64_t i = tz_raster_at(&d->raster, at);
+    for (int what = 0; what < 3; what++) {
+        const int32_t n = d->nearest[what][i];
+        if (n < 0)
+            continue;
+        const tz_element_field_cell *c = &d->cell[n];
+        if (n != i) { /* under the disc, though not under its centre */
+            const tz_raster *g = &d->raster;
+            const tz_vec3 q = {(n % g->width + 0.5) * g->size.x / g->width,
+                               (n / g->width + 0.5) * g->size.y / g->height, at.z};
+            const tz_vec3 v = tz_fill_vector(f, at, q);
+            if (hypot(v.x, v.y) > r)
+                continue;
+        }
+        const double w = sure * (double)c->weight;
+        if (what == 0) {
+            f->confident[s] = w;
+            f->target[2 * (ptrdiff_t)s] = (double)c->x;
+            f->target[2 * (ptrdiff_t)s + 1] = (double)c->y;
+        } else if (what == 1) {
+            f->said_c[s] = w, f->target_c[s] = (double)c->size;
+        } else {
+            f->said_rho[s] = w, f->target_rho[s] = 1 - (double)c->density;
+        }
+    }
+}
+
+static void link_samples(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const near_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t node = f->live_node.v[j];
+        const tz_fill_body *b = &f->body.v[f->owner[node]];
+        const tz_fill_model *m = &f->model.v[b->model];
+        const bool tied = m->rigidity >= TZ_FILL_RIGID;
+        int32_t n = f->link_start[node];
+        for (int32_t s = node; s < node + (tied ? b->n : 1); s++) {
+            const int32_t *near = t->cells->neighbour + t->cells->start[s];
+            if (f->dim == 2)
+                look_up(f, s);
+            for (int32_t k = 0; k < t->cells->count[s]; k++) {
+                const int32_t q = near[k];
+                if (f->owner[q] == f->owner[s])
+                    continue;
+                const double key = key_of(f, s, q);
+                const int often = (key <= f->third[s]) + (key <= f->third[q]);
+                if (often)
+                    f->link.v[n++] =
+                        (tz_fill_link){f->node[q], often / (1 + key * key), 0};
+            }
+        }
+        const int32_t own = node - b->first;
+        for (int32_t k = m->start[own]; k < m->start[own + 1] && !tied; k++) {
+            const int32_t q = b->first + m->near[k];
+            const double key = key_of(f, node, q);
+            f->link.v[n++] = (tz_fill_link){q, 2 / (1 + key * key), 2 * m->rigidity};
+        }
+        f->link_count[node] = n - f->link_start[node];
+    }
+}
+
+static tz_status reserve_links(tz_fill *f, const tz_power_cells *cells)
+{
+    int64_t n = 0;
+    for (int32_t j = 0; j < f->live_sample.n; j++) {
+        const int32_t s = f->live_sample.v[j];
+        f->link_start[s] = (int32_t)n;
+        n += cells->count[s];
+        if (f->node[s] == s) {
+            const tz_fill_model *m = &f->model.v[f->body.v[f->owner[s]].model];
+            if (m->rigidity < TZ_FILL_RIGID) {
+                const int32_t own = s - f->body.v[f->owner[s]].first;
+                n += m->start[own + 1] - m->start[own];
+            }
+        }
+        if (n > INT32_MAX / 4)
+            return tz_fail(f->ctx, TZ_LIMIT, "too many neighbours of samples");
+    }
+    tz_status s = tz_array_reserve(f->ctx, &f->link, n);
+    if (s == TZ_OK && n > f->edge_cap) {
+        const size_t cap = (size_t)n + (size_t)n / 4;
+        s = tz_realloc(f->ctx, &f->edge_to, cap, sizeof *f->edge_to);
+        if (s == TZ_OK)
+            s = tz_realloc(f->ctx, &f->edge_w, cap * (size_t)f->columns,
+                           sizeof *f->edge_w);
+        if (s == TZ_OK)
+            f->edge_cap = (int32_t)cap;
+    }
+    return s;
+}
+
+tz_status tz_fill_neighbours(tz_fill *f, const tz_power_cells *cells)
+{
+    near_run t = {f, cells};
+    tz_status s = reserve_links(f, cells);
+    if (s == TZ_OK)
+        s = tz_fill_blocks(f->ctx, f->live_sample.n, find_thirds, &t, NULL);
+    if (s == TZ_OK)
+        s = tz_fill_blocks(f->ctx, f->live_node.n, link_samples, &t, NULL);
+    return s;
+}
+
+/* ---- scalars: Eq. (12) -------------------------------------------------------------- */
+
+/* Which scalar: its values, what is said, with which confidence. */
+typedef struct scalar_run {
+    tz_fill *f;
+    double *v;
+    const double *said, *target;
+    double b2;
+} scalar_run;
+
+static int32_t samples_of(const tz_fill *f, int32_t node)
+{
+    const tz_fill_body *b = &f->body.v[f->owner[node]];
+    return f->model.v[b->model].rigidity >= TZ_FILL_RIGID ? b->n : 1;
+}
+
+/* Weights of edges, diagonal and half gradient; sums: align, continuity, rigidity. */
+static void weigh_scalar(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const scalar_run *t = arg;
+    tz_fill *f = t->f;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t i = f->live_node.v[j];
+        const double v = t->v[i];
+        double g = 0, diag = 1e-12;
+        const int32_t n = samples_of(f, i);
+        for (int32_t s = i; s < i + n; s++) {
+            const double d = v - t->target[s];
+            if (t->said[s] > 0) {
+                g += t->said[s] * d, diag += t->said[s];
+                sums[0] += t->said[s] * d * d;
+            }
+        }
+        for (int32_t e = f->link_start[i]; e < f->link_start[i] + f->link_count[i]; e++) {
+            const tz_fill_link *l = &f->link.v[e];
+            const double w = t->b2 * l->wc + l->wr, d = v - t->v[l->to];
+            /* an edge between two unknown nodes stands in both lists */
+            const double half =
+                f->body.v[f->owner[l->to]].awake && !f->body.v[f->owner[l->to]].fixed
+                    ? 0.5
+                    : 1;
+            f->edge_to[e] = l->to;
+            f->edge_w[e] = w;
+            g += w * d;
+            sums[1] += half * t->b2 * l->wc * d * d;
+            sums[2] += half * l->wr * d * d;
+        }
+        f->diag[i] = diag;
+        f->gradient[i] = -g;
+    }
+}
+
+static void add_scalar(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const scalar_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t i = f->live_node.v[j];
+        t->v[i] += f->step[i];
+    }
+}
+
+static void spread_scalar(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const scalar_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t i = f->live_sample.v[j];
+        t->v[i] = t->v[f->node[i]];
+    }
+}
+
+static tz_status scalar_step(tz_fill *f, double *v, const double *said,
+                             const double *target, double before_after[2])
+{
+    scalar_run t = {f, v, said, target, f->par.beta * f->par.beta};
+    double sums[4];
+    tz_status s = tz_fill_blocks(f->ctx, f->live_node.n, weigh_scalar, &t, sums);
+    before_after[0] = before_after[1] = sums[0] + sums[1] + sums[2];
+    if (s != TZ_OK || !(before_after[0] > 1e-12 * f->live_node.n))
+        return s;
+    const tz_fill_system y = {.ctx = f->ctx,
+                              .nodes = f->live_node.n,
+                              .node = f->live_node.v,
+                              .m = 1,
+                              .columns = 1,
+                              .start = f->link_start,
+                              .count = f->link_count,
+                              .to = f->edge_to,
+                              .w = f->edge_w,
+                              .diag = f->diag,
+                              .work = f->work,
+                              .size = f->n};
+    s = tz_fill_solve(&y, f->gradient, SMALL, ROUNDS, f->step);
+    if (s == TZ_OK)
+        s = tz_fill_blocks(f->ctx, f->live_node.n, add_scalar, &t, NULL);
+    if (s == TZ_OK)
+        s = tz_fill_blocks(f->ctx, f->live_node.n, weigh_scalar, &t, sums);
+    before_after[1] = sums[0] + sums[1] + sums[2];
+    if (s == TZ_OK)
+        s = tz_fill_blocks(f->ctx, f->live_sample.n, spread_scalar, &t, NULL);
+    return s;
+}
+
+tz_status tz_fill_scale_step(tz_fill *f, double before_after[2])
+{
+    tz_status s = TZ_OK;
+    before_after[0] = before_after[1] = 0;
+    if (f->any_size)
+        s = scalar_step(f, f->c, f->said_c, f->target_c, before_after);
+    if (s == TZ_OK && f->any_density) {
+        double more[2];
+        s = scalar_step(f, f->rho, f->said_rho, f->target_rho, more);
+        before_after[0] += more[0], before_after[1] += more[1];
+    }
+    return s;
+}
+
+/* ---- orientations: Eq. (11) --------------------------------------------------------- */
+
+typedef struct turn_run {
+    tz_fill *f;
+    bool gradient, weights;
+    double lambda;
+} turn_run;
+
+/* Half of Eq. (10) in the plane, all of it in space, and its half gradient; the block of
+ * Gauss-Newton. */
+static double rotation_term(const tz_fill *f, const double *u, double n, double *g,
+                            double *block, double *rank)
+{
+    if (f->dim == 2) {
+        const double d = u[0] * u[0] + u[1] * u[1] - 1;
+        for (int k = 0; k < 2 && g; k++)
+            g[k] += 2 * n * d * u[k];
+        *rank = 4 * n;
+        return n * d * d;
+    }
+    double sum = 0;
+    if (block)
+        memset(block, 0, 81 * sizeof *block);
+    for (int a = 0; a < 3; a++)
+        for (int b = a; b < 3; b++) {
+            const double *p = u + 3 * (ptrdiff_t)a, *q = u + 3 * (ptrdiff_t)b;
+            const double r = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] - (a == b);
+            double row[9] = {0};
+            for (int k = 0; k < 3; k++) {
+                row[3 * a + k] += q[k];
+                row[3 * b + k] += p[k];
+            }
+            sum += n * r * r;
+            for (int k = 0; k < 9 && g; k++)
+                g[k] += n * r * row[k];
+            for (int k = 0; k < 81 && block; k++)
+                block[k] += n * row[k / 9] * row[k % 9];
+        }
+    return sum;
+}
+
+/* Sums: align, continuity, rigidity, rotation. Directions that weights w_o compare are
+ * those at the beginning of the step: edge_w keeps them. */
+static void weigh_turn(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const turn_run *t = arg;
+    tz_fill *f = t->f;
+    const int m = f->m, cols = f->columns, per = m / cols;
+    const double a2 = f->par.alpha * f->par.alpha;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t i = f->live_node.v[j], n = samples_of(f, i);
+        const double *u = f->o + (ptrdiff_t)i * m;
+        double g[9] = {0}, diag = 1e-12;
+        for (int32_t s = i; s < i + n; s++) {
+            const double w = f->confident[s], *to_u = f->target + (ptrdiff_t)s * m;
+            for (int k = 0; k < m && w > 0; k++) {
+                g[k] += w * (u[k] - to_u[k]);
+                sums[0] += w * (u[k] - to_u[k]) * (u[k] - to_u[k]);
+            }
+            diag += w;
+        }
+        for (int32_t e = f->link_start[i]; e < f->link_start[i] + f->link_count[i]; e++) {
+            const tz_fill_link *l = &f->link.v[e];
+            const double *v = f->o + (ptrdiff_t)l->to * m;
+            const tz_fill_body *other = &f->body.v[f->owner[l->to]];
+            const double half = other->awake && !other->fixed ? 0.5 : 1;
+            f->edge_to[e] = l->to;
+            for (int c = 0; c < cols; c++) {
+                double *w = &f->edge_w[(ptrdiff_t)e * cols + c], dot = 1, d2 = 0;
+                for (int k = c * per; k < (c + 1) * per; k++) {
+                    dot += u[k] * v[k];
+                    d2 += (u[k] - v[k]) * (u[k] - v[k]);
+                }
+                if (t->weights)
+                    *w = a2 * l->wc * fmax(dot, 0) + l->wr;
+                for (int k = c * per; k < (c + 1) * per; k++)
+                    g[k] += *w * (u[k] - v[k]);
+                sums[1] += half * (*w - l->wr) * d2;
+                sums[2] += half * l->wr * d2;
+            }
+        }
+        double rank = 0, *block = f->dim == 3 ? f->block + (ptrdiff_t)i * 81 : NULL;
+        sums[3] += rotation_term(f, u, n, g, block, &rank);
+        f->rank[i] = rank;
+        f->diag[i] = diag;
+        for (int k = 0; k < m && t->gradient; k++)
+            f->gradient[(ptrdiff_t)i * m + k] = -g[k];
+    }
+}
+
+tz_status tz_fill_turn_energy(tz_fill *f, double sums[4], bool gradient)
+{
+    turn_run t = {f, gradient, true, 0};
+    return tz_fill_blocks(f->ctx, f->live_node.n, weigh_turn, &t, sums);
+}
+
+/* Marquardt's damping: lambda of each row's diagonal. */
+static void damp(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const turn_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t i = f->live_node.v[j];
+        double d = f->diag[i] + f->rank[i];
+        for (int32_t e = f->link_start[i]; e < f->link_start[i] + f->link_count[i]; e++)
+            d += f->edge_w[(ptrdiff_t)e * f->columns];
+        f->diag[i] += t->lambda * d;
+    }
+}
+
+static void add_turn(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const turn_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++)
+        for (int k = 0; k < f->m; k++) {
+            const ptrdiff_t v = (ptrdiff_t)f->live_node.v[j] * f->m + k;
+            f->kept[v] = f->o[v];
+            f->o[v] += f->step[v];
+        }
+}
+
+static void undo_turn(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const turn_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++)
+        for (int k = 0; k < f->m; k++) {
+            const ptrdiff_t v = (ptrdiff_t)f->live_node.v[j] * f->m + k;
+            f->o[v] = f->kept[v];
+        }
+}
+
+static void spread_turn(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const turn_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t s = f->live_sample.v[j], i = f->node[s];
+        if (i != s)
+            memcpy(f->o + (ptrdiff_t)s * f->m, f->o + (ptrdiff_t)i * f->m,
+                   (size_t)f->m * sizeof *f->o);
+    }
+}
+
+static double total(const double sums[4])
+{
+    return sums[0] + sums[1] + sums[2] + sums[3];
+}
+
+tz_status tz_fill_turn_step(tz_fill *f, double before_after[2])
+{
+    turn_run t = {f, true, true, f->lambda > 0 ? f->lambda : 1e-3};
+    double sums[4];
+    tz_status s = tz_fill_blocks(f->ctx, f->live_node.n, weigh_turn, &t, sums);
+    double energy = total(sums);
+    before_after[0] = energy;
+    t.weights = false;
+    const tz_fill_system y = {.ctx = f->ctx,
+                              .nodes = f->live_node.n,
+                              .node = f->live_node.v,
+                              .m = f->m,
+                              .columns = f->columns,
+                              .start = f->link_start,
+                              .count = f->link_count,
+                              .to = f->edge_to,
+                              .w = f->edge_w,
+                              .diag = f->diag,
+                              .u = f->dim == 2 ? f->kept : NULL,
+                              .rank = f->rank,
+                              .block = f->dim == 3 ? f->block : NULL,
+                              .work = f->work,
+                              .size = f->n};
+    for (int k = 0; k < LM_STEPS && s == TZ_OK && energy > 1e-9 * f->live_node.n; k++) {
+        for (int32_t j = 0; j < f->live_node.n; j++)
+            memcpy(f->kept + (ptrdiff_t)f->live_node.v[j] * f->m,
+                   f->o + (ptrdiff_t)f->live_node.v[j] * f->m,
+                   (size_t)f->m * sizeof *f->o);
+        s = tz_fill_blocks(f->ctx, f->live_node.n, damp, &t, NULL);
+        if (s == TZ_OK)
+            s = tz_fill_solve(&y, f->gradient, SMALL, ROUNDS, f->step);
+        if (s == TZ_OK)
+            s = tz_fill_blocks(f->ctx, f->live_node.n, add_turn, &t, NULL);
+        if (s == TZ_OK)
+            s = tz_fill_blocks(f->ctx, f->live_node.n, weigh_turn, &t, sums);
+        if (s != TZ_OK)
+            break;
+        const double after = total(sums);
+        if (after <= energy) {
+            const bool enough = after > 0.995 * energy;
+            energy = after;
+            t.lambda = fmax(t.lambda / 3, 1e-6);
+            if (enough)
+                break;
+        } else {
+            s = tz_fill_blocks(f->ctx, f->live_node.n, undo_turn, &t, NULL);
+            t.lambda = fmin(t.lambda * 5, 1e3);
+            if (s == TZ_OK)
+                s = tz_fill_blocks(f->ctx, f->live_node.n, weigh_turn, &t, sums);
+        }
+    }
+    f->lambda = t.lambda;
+    before_after[1] = energy;
+    if (s == TZ_OK)
+        s = tz_fill_blocks(f->ctx, f->live_sample.n, spread_turn, &t, NULL);
+    return s;
+}
