@@ -11,7 +11,8 @@
 
 #include "curves/synthesis_internal.h"
 
-#define MARGIN 0.6 /* radii of the first level */
+#define MARGIN 0.6  /* radii of the first level */
+#define FINEST 0.25 /* of the default spacing */
 
 static const tz_param rows[] = {
     {"start", TZ_PARAM_ENUM, offsetof(tz_curve_synthesis_params, start), 0, 2, "patches",
@@ -227,16 +228,33 @@ static tz_status check(tz_ctx *ctx, const tz_curve_synthesis_job *job,
     return TZ_OK;
 }
 
-/* The last `levels` of the default ones with given curves, else the first ones, of which
- * the last is always the finest. */
+/* Lines that lie closer than the finest spacing are sampled finer, so that samples know
+ * which line they are of: the spacing is no more than what a line has to itself, area over
+ * length. */
+static double fineness(const tz_curve_set *s, double spacing)
+{
+    double length = 0;
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        const tz_bezier c = tz_curve_bezier(s, &s->piece.v[i]);
+        length += tz_bezier_length(&c);
+    }
+    const double room = s->domain.size.x * s->domain.size.y / length;
+    return length > 0 ? fmin(fmax(room / spacing, FINEST), 1) : 1;
+}
+
+/* The last ones of the default levels. The finest one's spacing is made to fit the
+ * drawing, the coarsest keeps its own, to see large shapes. */
 static tz_sample_levels choose_levels(const tz_curve_set *exemplar,
                                       const tz_curve_synthesis_params *p)
 {
     tz_sample_levels l = tz_sample_levels_default(exemplar);
     const int32_t skip = l.levels - p->levels;
+    const double fine = fineness(exemplar, l.spacing[l.levels - 1]);
     for (int32_t i = 0; i < p->levels; i++) {
-        l.spacing[i] = p->scale * l.spacing[i + skip];
-        l.radius[i] = p->scale * l.radius[i + skip];
+        const double share = (i + skip) / (double)(l.levels - 1);
+        const double f = p->scale * pow(fine, share);
+        l.spacing[i] = f * l.spacing[i + skip];
+        l.radius[i] = f * l.radius[i + skip];
     }
     l.levels = p->levels;
     return l;

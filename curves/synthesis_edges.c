@@ -29,21 +29,22 @@ typedef struct ballot {
 
 /* Edges of the exemplar that two samples are taken for. */
 typedef struct likes {
-    int32_t edge[MOST_LIKES], count[MOST_LIKES], n;
+    int32_t edge[MOST_LIKES], n;
+    double count[MOST_LIKES];
     bool back[MOST_LIKES];
 } likes;
 
-static void count_like(likes *l, int32_t edge, bool back)
+static void count_like(likes *l, int32_t edge, bool back, double weight)
 {
     for (int32_t k = 0; k < l->n; k++)
         if (l->edge[k] == edge && l->back[k] == back) {
-            l->count[k]++;
+            l->count[k] += weight;
             return;
         }
     if (l->n < MOST_LIKES) {
         l->edge[l->n] = edge;
         l->back[l->n] = back;
-        l->count[l->n++] = 1;
+        l->count[l->n++] = weight;
     }
 }
 
@@ -64,29 +65,31 @@ static tz_curve_edge vote(const tz_curve_solve *t, int32_t a, int32_t b)
     const tz_sample_graph *g = &t->x->g;
     tz_curve_edge e = {.from = a, .to = b, .like = -1};
     likes l = {.n = 0};
-    int32_t i = v->first[a], j = v->first[b], both = 0, yes = 0;
+    int32_t i = v->first[a], j = v->first[b];
+    double both = 0, yes = 0;
     while (i < v->first[a + 1] && j < v->first[b + 1]) {
         if (v->centre[i] != v->centre[j]) {
             *(v->centre[i] < v->centre[j] ? &i : &j) += 1;
             continue;
         }
+        const double w = (double)v->weight[v->centre[i]];
         const int32_t x = v->seen[i++], y = v->seen[j++];
         if (x < 0 || y < 0)
             continue;
         const int32_t edge = edge_between(g, x, y);
-        both++;
+        both += w;
         if (edge < 0)
             continue;
-        yes++;
-        count_like(&l, edge, g->edge.v[edge].from != x);
+        yes += w;
+        count_like(&l, edge, g->edge.v[edge].from != x, w);
     }
-    if (yes == 0)
+    if (!(yes > 0))
         return e;
     int32_t most = 0;
     for (int32_t k = 1; k < l.n; k++)
         if (l.count[k] > l.count[most])
             most = k;
-    e.existence = (double)yes / both;
+    e.existence = yes / both;
     e.like = l.edge[most];
     e.back = l.back[most];
     e.pen = g->edge.v[e.like].pen;
@@ -129,11 +132,12 @@ static void find_wanted(tz_curve_solve *t)
             if (v->seen[k] < 0)
                 continue;
             const int32_t links = t->x->g.sample.v[v->seen[k]].links;
-            all += links;
-            any += 1;
+            const double w = (double)v->weight[v->centre[k]];
+            all += w * links;
+            any += w;
             if (!t->x->cut[v->seen[k]]) {
-                sum += links;
-                n += 1;
+                sum += w * links;
+                n += w;
             }
         }
         t->want[s] = n > 0 ? sum / n : any > 0 ? all / any : 0;

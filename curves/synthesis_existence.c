@@ -60,8 +60,9 @@ static double confidence(const tz_curve_solve *t, int32_t s)
 {
     double yes = 0, all = 0;
     for (int32_t k = t->votes.first[s]; k < t->votes.first[s + 1]; k++) {
-        yes += t->votes.seen[k] >= 0;
-        all += t->votes.seen[k] != TZ_SEEN_UNKNOWN;
+        const double w = (double)t->votes.weight[t->votes.centre[k]];
+        yes += t->votes.seen[k] >= 0 ? w : 0;
+        all += t->votes.seen[k] != TZ_SEEN_UNKNOWN ? w : 0;
     }
     return all > 0 ? yes / all : t->match.v[s] >= 0;
 }

@@ -58,6 +58,7 @@ enum {
 };
 typedef struct tz_curve_votes {
     int32_t *first, *centre, *seen;
+    float *weight; /**< per centre: how much it says, 1 on average */
 } tz_curve_votes;
 
 typedef struct tz_curve_solve {

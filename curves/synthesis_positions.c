@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Positions: all at once as the least squares of what all neighbourhoods say,
  *
- *   min  sum over centres c, matched neighbours s:  |u(s) - u(c) - pull(c, s)|^2
+ *   min  sum over centres c, matched neighbours s:  w(c) |u(s) - u(c) - pull(c, s)|^2
+ *      + sum over edges a b:                      STIFF |u(b) - u(a) - pull(a, b)|^2
  *      + sum over samples s:                        HOME |u(s)|^2
  *      + samples s beyond the border:               w(s) |u(s) - back(s)|^2
  *
@@ -13,11 +14,13 @@
  * @source [Tu20] Eq. (13), (14). Deviates: the second term ([Ma11] and [Dav19] have it);
  *   w is as large as all neighbours together, else a few outside would not move */
 #include <string.h>
+#include <stdlib.h>
 
 #include "curves/synthesis_internal.h"
 
 enum { BLOCK = 1024, MOST_PASSES = 100 };
 #define HOME      0.5
+#define STIFF (getenv("STIFF")?atof(getenv("STIFF")):4)
 #define TOLERANCE 1e-6
 
 /* (diagonal - weights) u = right. */
@@ -106,6 +109,28 @@ static void make_pulls(fit *f, int32_t c)
     }
 }
 
+/* Way by which the end of an edge should move against its other end, `s`, to be as the
+ * exemplar's edge that it is like; false if it is like none. */
+static bool edge_pull(const tz_curve_solve *t, int32_t s, const tz_curve_link *l,
+                      tz_vec2 *pull)
+{
+    const tz_curve_edge *e = &t->o.edge.v[l->edge];
+    const tz_sample_graph *g = &t->x->g;
+    if (e->like < 0 || e->like >= g->edge.n)
+        return false;
+    const tz_curve_edge *like = &g->edge.v[e->like];
+    const bool ahead = (e->from == s) != e->back;
+    const tz_vec2 v =
+        tz_curve_vector(&g->domain, g->sample.v[ahead ? like->from : like->to].at,
+                        g->sample.v[ahead ? like->to : like->from].at);
+    const tz_vec2 p = t->o.sample.v[s].at, q = t->o.sample.v[l->to].at;
+    /* the frame half way, the same from both ends */
+    const tz_vec2 mid = {(p.x + q.x) / 2, (p.y + q.y) / 2};
+    *pull = tz_vec2_sub(tz_curve_rotate(v, tz_curve_solve_frame(t, mid)),
+                        tz_curve_vector(t->job->domain, p, q));
+    return true;
+}
+
 static void make_row(fit *f, int32_t s)
 {
     const tz_curve_solve *t = f->t;
@@ -114,15 +139,25 @@ static void make_row(fit *f, int32_t s)
     double sum = 0;
     for (int32_t k = t->votes.first[s]; k < t->votes.first[s + 1]; k++)
         if (f->back[k] >= 0 && t->votes.seen[k] >= 0) {
-            right = tz_vec2_add(right, f->pull[f->back[k]]);
-            sum += 1;
+            const double w = (double)t->votes.weight[t->votes.centre[k]];
+            right = tz_vec2_add(right, tz_vec2_scale(f->pull[f->back[k]], w));
+            sum += w;
         }
+    const double mine = (double)t->votes.weight[s];
     for (int32_t k = h->first[s]; k < h->first[s + 1]; k++)
         if (t->match.v[s] >= 0 && t->pair[k] >= 0) {
-            right = tz_vec2_sub(right, f->pull[k]);
-            sum += 1;
+            right = tz_vec2_sub(right, tz_vec2_scale(f->pull[k], mine));
+            sum += mine;
         }
-    const double depth = tz_curve_solve_depth(t, t->o.sample.v[s].at);
+    const tz_curve_sample *me = &t->o.sample.v[s];
+    for (int32_t k = me->link; k < me->link + me->links; k++) {
+        tz_vec2 pull;
+        if (!edge_pull(t, s, &t->o.link.v[k], &pull))
+            continue;
+        right = tz_vec2_sub(right, tz_vec2_scale(pull, STIFF));
+        sum += STIFF;
+    }
+    const double depth = tz_curve_solve_depth(t, me->at);
     if (depth < 0 && sum > 0) {
         const double e = 1e-3 * t->o.spacing;
         const tz_vec2 p = t->o.sample.v[s].at;
@@ -189,10 +224,17 @@ static tz_status apply_block(tz_ctx *ctx, void *arg, int64_t block, int worker)
         tz_vec2 q = {0, 0};
         for (int32_t k = t->votes.first[s]; k < t->votes.first[s + 1]; k++)
             if (t->votes.seen[k] >= 0 && t->votes.centre[k] != s)
-                q = tz_vec2_add(q, f->d[t->votes.centre[k]]);
+                q = tz_vec2_add(
+                    q, tz_vec2_scale(f->d[t->votes.centre[k]],
+                                     (double)t->votes.weight[t->votes.centre[k]]));
+        const double mine = (double)t->votes.weight[s];
         for (int32_t k = h->first[s]; k < h->first[s + 1] && t->match.v[s] >= 0; k++)
             if (t->pair[k] >= 0)
-                q = tz_vec2_add(q, f->d[h->id[k]]);
+                q = tz_vec2_add(q, tz_vec2_scale(f->d[h->id[k]], mine));
+        const tz_curve_sample *me = &t->o.sample.v[s];
+        for (int32_t k = me->link; k < me->link + me->links; k++)
+            if (t->o.edge.v[t->o.link.v[k].edge].like >= 0)
+                q = tz_vec2_add(q, tz_vec2_scale(f->d[t->o.link.v[k].to], STIFF));
         f->q[s] = f->inverse[s] > 0
                       ? tz_vec2_sub(tz_vec2_scale(f->d[s], f->diagonal[s]), q)
                       : (tz_vec2){0, 0};

@@ -19,6 +19,7 @@
 enum { NEAR = 8, MOST_TRIED = 48 };
 #define REGION    4.0 /* radii: side of a region */
 #define WIDEST    (150.0 / 60)
+#define LACK      0.5          /* spacings that a missing sample costs */
 #define NARROWEST (25.0 / 60) /* windows, in radii of the first level's */
 
 typedef struct search {
@@ -223,6 +224,7 @@ void tz_curve_solve_forget(tz_curve_solve *t)
     tz_free(t->ctx, t->votes.first);
     tz_free(t->ctx, t->votes.centre);
     tz_free(t->ctx, t->votes.seen);
+    tz_free(t->ctx, t->votes.weight);
     tz_free(t->ctx, t->want);
     tz_free(t->ctx, t->move);
     tz_free(t->ctx, t->drop);
@@ -257,7 +259,7 @@ static tz_status prepare(tz_curve_solve *t)
     mp.gamma = t->p.edges ? mp.gamma : 0;
     mp.hard = !t->p.robust;
     mp.cut = t->x->cut;
-    mp.lack = getenv("LACK") ? atof(getenv("LACK")) : 0;
+    mp.lack = LACK;
     tz_curve_solve_forget(t);
     tz_status s = tz_matcher_init(t->ctx, &t->o, &t->x->g, &mp, &t->m);
     const int32_t n = t->o.sample.n, items = s == TZ_OK ? t->m.ho.first[n] : 0;

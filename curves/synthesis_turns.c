@@ -14,7 +14,7 @@ enum { MOST = 16 /* orientations of a sample */, MOST_LEFT = 256 };
 /* Sums of the votes of each orientation of a sample, and those without a partner. */
 typedef struct poll {
     double x[MOST], y[MOST];
-    int32_t votes[MOST];
+    double votes[MOST];
     double left[MOST_LEFT];
     int32_t lefts;
 } poll;
@@ -22,7 +22,7 @@ typedef struct poll {
 static int32_t at_most(int32_t n, int32_t most) { return n < most ? n : most; }
 
 static void count_vote(poll *p, const double *turn, int32_t n, const double *vote,
-                       int32_t m, double frame)
+                       int32_t m, double frame, double weight)
 {
     double b[MOST];
     int32_t to[MOST];
@@ -34,9 +34,9 @@ static void count_vote(poll *p, const double *turn, int32_t n, const double *vot
         tz_match_turns(turn, n, b, m, to);
     for (int32_t k = 0; k < n && m > 0; k++)
         if (to[k] >= 0) {
-            p->x[k] += cos(b[to[k]]);
-            p->y[k] += sin(b[to[k]]);
-            p->votes[k]++;
+            p->x[k] += weight * cos(b[to[k]]);
+            p->y[k] += weight * sin(b[to[k]]);
+            p->votes[k] += weight;
             used[to[k]] = true;
         }
     for (int32_t k = 0; k < m; k++)
@@ -74,23 +74,25 @@ static int32_t elect(const tz_curve_solve *t, int32_t s, double *turn, tz_rng *r
     const tz_curve_votes *v = &t->votes;
     const tz_sample_graph *g = &t->x->g;
     const double frame = tz_curve_solve_frame(t, me->at);
-    int32_t n = at_most(me->turns, MOST), seen = 0, sum = 0;
+    int32_t n = at_most(me->turns, MOST);
+    double seen = 0, sum = 0;
     poll p;
     memset(&p, 0, sizeof p);
     for (int32_t k = v->first[s]; k < v->first[s + 1]; k++) {
         if (v->seen[k] < 0 || t->x->cut[v->seen[k]])
             continue;
         const tz_curve_sample *q = &g->sample.v[v->seen[k]];
-        count_vote(&p, t->o.turn.v + me->turn, n, g->turn.v + q->turn, q->turns, frame);
-        sum += q->turns;
-        seen++;
+        const double w = (double)v->weight[v->centre[k]];
+        count_vote(&p, t->o.turn.v + me->turn, n, g->turn.v + q->turn, q->turns, frame, w);
+        sum += w * q->turns;
+        seen += w;
     }
     for (int32_t k = 0; k < n; k++)
         turn[k] = p.votes[k] > 0 ? tz_curve_angle(atan2(p.y[k], p.x[k]))
                                  : t->o.turn.v[me->turn + k];
-    if (seen == 0)
+    if (!(seen > 0))
         return n;
-    const int32_t want = at_most((int32_t)floor((double)sum / seen + 0.5), MOST);
+    const int32_t want = at_most((int32_t)floor(sum / seen + 0.5), MOST);
     for (bool first = true; n < want && p.lefts > 0; first = false) {
         const int32_t k = first ? median(&p) : tz_rng_below(r, p.lefts);
         turn[n++] = p.left[k];

@@ -4,6 +4,8 @@
  * samples have in common are found by running along both lists. */
 #include "curves/synthesis_internal.h"
 
+#define SURE 0.1 /* spacings */
+
 static void count_votes(const tz_curve_solve *t, int32_t *first)
 {
     const tz_match_hoods *h = &t->m.ho;
@@ -18,6 +20,22 @@ static void count_votes(const tz_curve_solve *t, int32_t *first)
         first[i + 2] += first[i + 1];
 }
 
+/* Neighbourhoods that match well say more: 1 / (SURE^2 + q^2) with q their difference for
+ * each sample that they hold, in spacings. */
+static void weigh(const tz_curve_solve *t, float *weight)
+{
+    const tz_match_hoods *h = &t->m.ho;
+    double sum = 0;
+    for (int32_t c = 0; c < h->n; c++) {
+        const double held = h->first[c + 1] - h->first[c] + 1;
+        const double q = (double)t->cost[c] / (held * t->o.spacing);
+        weight[c] = t->match.v[c] < 0 ? 0 : (float)(1 / (SURE * SURE + q * q));
+        sum += (double)weight[c];
+    }
+    for (int32_t c = 0; c < h->n && sum > 0; c++)
+        weight[c] *= (float)(h->n / sum);
+}
+
 tz_status tz_curve_solve_votes(tz_curve_solve *t)
 {
     const tz_match_hoods *h = &t->m.ho;
@@ -28,8 +46,11 @@ tz_status tz_curve_solve_votes(tz_curve_solve *t)
         s = tz_alloc(t->ctx, &v->centre, most, sizeof *v->centre);
     if (s == TZ_OK)
         s = tz_alloc(t->ctx, &v->seen, most, sizeof *v->seen);
+    if (s == TZ_OK)
+        s = tz_alloc(t->ctx, &v->weight, n, sizeof *v->weight);
     if (s != TZ_OK)
         return s;
+    weigh(t, v->weight);
     count_votes(t, v->first);
     for (int32_t c = 0; c < h->n; c++) {
         if (t->match.v[c] < 0)
