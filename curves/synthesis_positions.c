@@ -14,13 +14,12 @@
  * @source [Tu20] Eq. (13), (14). Deviates: the second term ([Ma11] and [Dav19] have it);
  *   w is as large as all neighbours together, else a few outside would not move */
 #include <string.h>
-#include <stdlib.h>
 
 #include "curves/synthesis_internal.h"
 
 enum { BLOCK = 1024, MOST_PASSES = 100 };
 #define HOME      0.5
-#define STIFF (getenv("STIFF")?atof(getenv("STIFF")):4)
+#define STIFF     4.0 /* of edges, against the vote of a neighbourhood */
 #define TOLERANCE 1e-6
 
 /* (diagonal - weights) u = right. */
