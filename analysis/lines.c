@@ -34,12 +34,14 @@ const tz_param_table tz_lines_param_table = {"lines", "Finds the lines of a phot
                                              (int32_t)(sizeof rows / sizeof *rows),
                                              sizeof(tz_lines_params)};
 
-#define AREA   0.5 /* of the strength of lines: what they run through */
-#define PROOF  12  /* px of a line as strong again as it must be */
-#define LENGTH 8   /* shortest line, px */
-#define HOLE   80  /* px that no line runs around */
-#define EDGE   10  /* edges weaker than that are nothing, of 100 */
-#define SURE   1.1 /* one tone has this much more proof than the other: it is alone */
+#define AREA   0.5  /* of the strength of lines: what they run through */
+#define PROOF  12   /* px of a line as strong again as it must be */
+#define LENGTH 8    /* shortest line, px */
+#define HOLE   80   /* px that no line runs around */
+#define EDGE   10   /* edges weaker than that are nothing, of 100 */
+#define BROKEN 0.45 /* share of ends that meet others: less is no network */
+#define BETTER 0.25 /* so much more of them with borders: these it is */
+#define SURE   1.1  /* one tone has this much more proof than the other: it is alone */
 
 /* One kind of lines. */
 typedef struct track {
@@ -132,7 +134,7 @@ static tz_status complete(search *f, track *t)
         s = tz_line_graph_mend(&t->g);
     if (s == TZ_OK)
         s = tz_line_graph_smooth(&t->g, 1);
-    if (s == TZ_OK && !t->field.edge)
+    if (s == TZ_OK)
         s = tz_line_graph_measure(&t->g, f->grey);
     if (s == TZ_OK)
         s = tz_line_graph_smooth(&t->g, 1.2);
@@ -188,8 +190,8 @@ static tz_status ridges(search *f, tz_lines_verdict *v)
     return s;
 }
 
-/* Borders, but for what is a ridge already. */
-static tz_status edges(search *f)
+/* Borders. @param besides  not where there is a ridge already */
+static tz_status edges(search *f, bool besides)
 {
     track *t = &f->track[EDGES];
     const int32_t w = f->picture.width, h = f->picture.height;
@@ -205,7 +207,7 @@ static tz_status edges(search *f)
     small.encoding = TZ_ENCODING_SRGB;
     if (s == TZ_OK)
         s = tz_line_edges(f->ctx, &small, "", &t->field);
-    if (s == TZ_OK)
+    if (s == TZ_OK && besides)
         tz_line_graph_cover(&f->g, 1, 3, w, h, taken);
     for (ptrdiff_t p = 0; p < n && s == TZ_OK; p++)
         if (taken[p])
@@ -216,6 +218,43 @@ static tz_status edges(search *f)
         s = complete(f, t);
     tz_image_deinit(&small);
     tz_free(f->ctx, taken);
+    return s;
+}
+
+/* Ridges; where they are broken, and borders are less so, these. */
+static tz_status whichever(search *f, tz_lines_verdict *v)
+{
+    tz_line_graph kept;
+    double by_ridges, by_edges;
+    v->line = TZ_LINE_RIDGE;
+    tz_status s = ridges(f, v);
+    if (s == TZ_OK)
+        s = tz_line_joined(&f->g, &by_ridges);
+    if (s != TZ_OK || by_ridges > BROKEN)
+        return s;
+    kept = f->g;
+    f->g = (tz_line_graph){.ctx = f->ctx};
+    s = edges(f, false);
+    if (s == TZ_OK)
+        s = tz_line_joined(&f->g, &by_edges);
+    if (s == TZ_OK && by_edges > by_ridges + BETTER) {
+        v->line = TZ_LINE_EDGE;
+        v->tone = 0;
+        tz_line_graph_deinit(&kept);
+    } else {
+        tz_line_graph_deinit(&f->g);
+        f->g = kept;
+    }
+    return s;
+}
+
+static tz_status find(search *f, tz_lines_verdict *v)
+{
+    if (v->line == TZ_LINE_AUTO)
+        return whichever(f, v);
+    tz_status s = v->line == TZ_LINE_EDGE ? TZ_OK : ridges(f, v);
+    if (s == TZ_OK && v->line != TZ_LINE_RIDGE)
+        s = edges(f, v->line == TZ_LINE_BOTH);
     return s;
 }
 
@@ -257,12 +296,8 @@ tz_status tz_lines_find(tz_ctx *ctx, const tz_image *photo, const tz_lines_param
     tz_status s = check(ctx, photo);
     if (s == TZ_OK)
         s = look(&f);
-    if (s == TZ_OK && v.line == TZ_LINE_AUTO)
-        v.line = TZ_LINE_RIDGE;
-    if (s == TZ_OK && v.line != TZ_LINE_EDGE)
-        s = ridges(&f, &v);
-    if (s == TZ_OK && v.line != TZ_LINE_RIDGE)
-        s = edges(&f);
+    if (s == TZ_OK)
+        s = find(&f, &v);
     if (s == TZ_OK)
         s = open_set(&f, out);
     if (s == TZ_OK)

@@ -7,6 +7,9 @@
 #include "analysis/lines.h"
 #include "analysis/lines_graph.h"
 
+/** Share of ends of chains that meet others or the border; 0 of none. */
+tz_status tz_line_joined(const tz_line_graph *g, double *joined);
+
 /** @param side  px of the photo a px of the picture
  *  @param paths  that the graph was drawn as
  *  @param[in,out] v  line and tone as found; the rest is filled */

@@ -11,7 +11,8 @@
  *
  * `low` parts lines from chance ridges: of the logarithms of all ridges' strengths, Otsu's
  * threshold, raised up to twice where they do not fall apart in two (two: the share of
- * their variance that lies between the halves; 0.64 for a normal distribution).
+ * their variance that lies between the halves; 0.64 for a normal distribution). The forest
+ * has been taught what borders are: its answers are not raised, and have an upper bound.
  * @source Otsu: A threshold selection method from gray-level histograms, 1979 */
 #include "analysis/lines_graph.h"
 
@@ -20,7 +21,8 @@
 
 #define ROUNDS 6
 
-#define BINS 256
+#define BINS   256
+#define SURELY 25 /* answer of the forest that is a border anywhere, of 100 */
 
 typedef struct leaf {
     double proof;
@@ -58,8 +60,9 @@ double tz_line_part(const tz_line_field *r)
     }
     const double spread = n > 0 ? square / n - sum / n * (sum / n) : 0;
     const double two = spread > 0 ? best / (n * n) / spread : 1;
-    const double unclear = fmin(fmax((0.80 - two) / 0.14, 0), 1);
-    return exp2((at + 1) / octave) * (1 + unclear);
+    const double unclear = r->edge ? 0 : fmin(fmax((0.80 - two) / 0.14, 0), 1);
+    const double low = exp2((at + 1) / octave) * (1 + unclear);
+    return r->edge ? fmin(low, SURELY) : low;
 }
 
 double tz_line_chain_proof(const tz_line_graph *g, const tz_line_chain *c, double low)

@@ -119,6 +119,24 @@ static void centre(const tz_line_chain *c, const tz_line_point *p, const double 
     }
 }
 
+/* The step across a border: between the means of 2, 3 and 4 px to either side. */
+static void gauge_border(const gauge *j, tz_line_chain *c, tz_line_point *p)
+{
+    double step = 0;
+    for (int32_t i = 0; i < c->n; i++) {
+        const tz_vec2 m = normal_at(p, c->n, i);
+        double sum = 0;
+        for (int k = 2; k <= 4; k++)
+            sum += (grey_at(j, p[i].at.x + k * m.x, p[i].at.y + k * m.y) -
+                    grey_at(j, p[i].at.x - k * m.x, p[i].at.y - k * m.y)) /
+                   3;
+        step += sum;
+        p[i].strength = (float)fabs(sum);
+    }
+    tz_line_chain_measure(j->g, c);
+    c->strength = fabs(step) / c->n;
+}
+
 static tz_status gauge_chain(tz_ctx *ctx, void *arg, int64_t at, int worker)
 {
     const gauge *j = arg;
@@ -126,8 +144,10 @@ static tz_status gauge_chain(tz_ctx *ctx, void *arg, int64_t at, int worker)
     tz_line_point *p = j->g->point.v + c->first, *fresh = NULL;
     double *move = NULL;
     (void)worker;
-    if (c->edge)
+    if (c->edge) {
+        gauge_border(j, c, p);
         return TZ_OK;
+    }
     tz_status s = tz_alloc(ctx, &fresh, (size_t)c->n, sizeof *fresh);
     if (s == TZ_OK)
         s = tz_alloc(ctx, &move, (size_t)c->n, sizeof *move);
