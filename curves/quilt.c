@@ -238,6 +238,7 @@ static tz_status lay_places(quilting *q, int32_t first, int32_t ahead)
         for (int32_t k = 0; k < runs; k++) {
             q->done[batch[k]] = true;
             q->patches += q->laid[batch[k]];
+            q->m->balance += q->laid[batch[k]] ? q->place.v[batch[k]].surplus : 0;
         }
         while (head < n && q->done[head])
             head++;
@@ -348,7 +349,7 @@ static tz_status repair(quilting *q, int32_t pass)
     quilt_map *m = q->m;
     defect *d = NULL;
     const int32_t first = q->place.n;
-    const double block = 0.2 * fmin(q->side.x, q->side.y), least = 2;
+    const double block = 0.2 * fmin(q->side.x, q->side.y), least = 3;
     const int32_t bx = (int32_t)(m->domain->size.x / block) + 1,
                   by = (int32_t)(m->domain->size.y / block) + 1;
     tz_status st = tz_alloc_zero(q->ctx, &d, (size_t)bx * (size_t)by, sizeof *d);
@@ -414,7 +415,7 @@ static tz_status lay_all(tz_ctx *ctx, const tz_curve_quilt_job *job,
                          const tz_curve_quilt_params *p, const quilt_source *s,
                          quilt_map *m, int32_t *patches)
 {
-    enum { PASSES = 3 };
+    enum { PASSES = 2 };
     const int threads = tz_ctx_threads(ctx);
     quilting q = {.ctx = ctx, .s = s, .q = p, .m = m, .seed = job->seed};
     q.side = window_side(s, job, p);

@@ -57,9 +57,12 @@ typedef struct quilt_source {
     TZ_ARRAY(quilt_dab)
     dab;                  /* by bin */
     int32_t *bin, bx, by; /* first dab of each bin of side `coarse` */
+    double *cover;        /* [y (fx + 1) + x]: coverage above and left of x, y */
+    double density;       /* spots a cell */
     float *feature;       /* [(y fx + x) QUILT_CHANNELS + channel] */
     uint8_t *valid;       /* [y fx + x]: may be copied */
     int32_t fx, fy;
+    double largest;  /* sides of things are below */
     int32_t *object; /* per path: thing that it is part of, or -1 */
     int32_t objects;
     tz_vec2 *centre; /* of each thing */
@@ -103,6 +106,7 @@ typedef struct quilt_map {
     float *seam; /* [2 cell]: cost of the seam at its right, [2 cell + 1]: below */
     TZ_ARRAY(quilt_patch)
     patch;
+    double balance; /* spots laid so far less those that the exemplar would have there */
 } quilt_map;
 
 /* Label at a place of the domain (on a torus, of its copy inside). */
@@ -111,13 +115,14 @@ int32_t quilt_label(const quilt_map *m, tz_vec2 p);
 /* What a worker needs to place a patch: a window of the map. */
 typedef struct quilt_window {
     tz_ctx *ctx;
-    int32_t x, y, w, h;       /* cells; x and y may be outside on a torus */
-    int32_t most;             /* cells there is room for */
-    quilt_cell *fresh, *kept; /* lines of the candidate, of the best so far */
-    float *off;               /* how far old and fresh lines differ */
-    uint8_t *state;           /* quilt_state */
-    uint8_t *side;            /* result: 1 = fresh */
-    uint8_t *best;            /* that of the best candidate */
+    int32_t x, y, w, h; /* cells; x and y may be outside on a torus */
+    int32_t most;       /* cells there is room for */
+    /* cells with a rim of two: of the candidate, of the best so far, of what lies there */
+    quilt_cell *fresh, *kept, *old;
+    float *off;     /* how far old and fresh lines differ */
+    uint8_t *state; /* quilt_state */
+    uint8_t *side;  /* result: 1 = fresh */
+    uint8_t *best;  /* that of the best candidate */
     struct quilt_flow *flow;
     float *score;   /* of each shift */
     float *feature; /* of what lies there already */
@@ -153,11 +158,12 @@ typedef struct quilt_place {
     int32_t patch; /* number it takes */
     int32_t seen;  /* patches whose sources it may look at */
     uint64_t stream;
+    double surplus; /* result: what it adds to the balance */
 } quilt_place;
 
 /* Lays the best candidate; a repair only if it is better than what lies there.
  * @param[out] laid  whether it did */
-tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, const quilt_place *p,
+tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, quilt_place *p,
                             const tz_curve_quilt_params *q, uint64_t seed,
                             quilt_window *w, bool *laid);
 

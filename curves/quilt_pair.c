@@ -266,7 +266,7 @@ tz_status quilt_pair(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
     tz_status st = tz_alloc(ctx, &q.up, (size_t)r->cut.n, sizeof *q.up);
     if (st == TZ_OK)
         st = tz_alloc(ctx, &q.colour, (size_t)r->cut.n, sizeof *q.colour);
-    for (int round = 1; round <= 2 && st == TZ_OK; round++) {
+    for (int round = 1; round <= 3 && st == TZ_OK; round++) {
         q.link.n = 0;
         st = find_links(&q, round * reach);
         if (st == TZ_OK)

@@ -9,6 +9,11 @@
 
 #include "curves/quilt_internal.h"
 
+/* Lines this near to each other may be one: cells across and along, 256 = pi. */
+#define ACROSS_MOST 2.0F
+#define ALONG_MOST  1.3F
+enum { TURN_MOST = 43 };
+
 /* ---- window ------------------------------------------------------------------------- */
 
 tz_status quilt_window_init(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
@@ -17,13 +22,16 @@ tz_status quilt_window_init(tz_ctx *ctx, const quilt_source *s, const quilt_map 
     const double d = m->domain->frames ? hypot(side.x, side.y) : 0;
     const double nx = fmin(m->nx, ceil(fmax(d, side.x) / m->cx) + 2),
                  ny = fmin(m->ny, ceil(fmax(d, side.y) / m->cy) + 2);
-    const size_t n = (size_t)nx * (size_t)ny, shifts = (size_t)s->fx * (size_t)s->fy;
+    const size_t n = (size_t)nx * (size_t)ny, rim = (size_t)(nx + 4) * (size_t)(ny + 4),
+                 shifts = (size_t)s->fx * (size_t)s->fy;
     *w = (quilt_window){.ctx = ctx, .most = (int32_t)n};
     w->most_coarse = (int32_t)((side.x / s->coarse + 2) * (side.y / s->coarse + 2));
     const size_t c = (size_t)w->most_coarse;
-    tz_status st = tz_alloc(ctx, &w->fresh, n, sizeof *w->fresh);
+    tz_status st = tz_alloc(ctx, &w->fresh, rim, sizeof *w->fresh);
     if (st == TZ_OK)
-        st = tz_alloc(ctx, &w->kept, n, sizeof *w->kept);
+        st = tz_alloc(ctx, &w->kept, rim, sizeof *w->kept);
+    if (st == TZ_OK)
+        st = tz_alloc(ctx, &w->old, rim, sizeof *w->old);
     if (st == TZ_OK)
         st = tz_alloc(ctx, &w->off, n, sizeof *w->off);
     if (st == TZ_OK)
@@ -38,7 +46,7 @@ tz_status quilt_window_init(tz_ctx *ctx, const quilt_source *s, const quilt_map 
         st = tz_alloc(ctx, &w->feature, 2 * c * QUILT_CHANNELS, sizeof *w->feature);
     if (st == TZ_OK)
         st = tz_alloc(ctx, &w->weight, c, sizeof *w->weight);
-    if (st == TZ_OK && !(w->flow = quilt_flow_new(ctx, (int32_t)n)))
+    if (st == TZ_OK && !(w->flow = quilt_flow_new(ctx, (int32_t)((nx + 2) * (ny + 2)))))
         st = TZ_NOMEM;
     if (st != TZ_OK)
         quilt_window_deinit(w);
@@ -49,6 +57,7 @@ void quilt_window_deinit(quilt_window *w)
 {
     tz_free(w->ctx, w->fresh);
     tz_free(w->ctx, w->kept);
+    tz_free(w->ctx, w->old);
     tz_free(w->ctx, w->off);
     tz_free(w->ctx, w->state);
     tz_free(w->ctx, w->side);
@@ -71,6 +80,17 @@ static ptrdiff_t cell_at(const quilt_map *m, const quilt_window *w, int32_t i, i
         return -1;
     }
     return (ptrdiff_t)y * m->nx + x;
+}
+
+/* Index of a cell in the arrays with a rim. */
+static ptrdiff_t rimmed(const quilt_window *w, int32_t i, int32_t j)
+{
+    return (ptrdiff_t)(j + 2) * (w->w + 4) + i + 2;
+}
+
+static size_t rimmed_size(const quilt_window *w)
+{
+    return (size_t)(w->w + 4) * (size_t)(w->h + 4) * sizeof *w->fresh;
 }
 
 static tz_vec2 centre_of(const quilt_map *m, const quilt_window *w, int32_t i, int32_t j)
@@ -106,6 +126,13 @@ static void open_window(const quilt_map *m, const quilt_place *place,
         w->w = w->h = 0;
     while ((int64_t)w->w * w->h > w->most)
         w->h--;
+    memset(w->old, 0, rimmed_size(w));
+    for (int32_t j = -2; j < w->h + 2; j++)
+        for (int32_t i = -2; i < w->w + 2; i++) {
+            const ptrdiff_t at = cell_at(m, w, i, j);
+            if (at >= 0 && m->label[at] != QUILT_NONE)
+                w->old[rimmed(w, i, j)] = m->cell[at];
+        }
     for (int32_t j = 0; j < w->h; j++)
         for (int32_t i = 0; i < w->w; i++) {
             static const int8_t step[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
@@ -273,7 +300,7 @@ static void draw_candidate(const quilt_source *s, const quilt_map *m,
                                      (p->from.x + p->half.x + rim - s->lo.x) / s->coarse),
                   y1 = (int32_t)fmin(s->by - 1,
                                      (p->from.y + p->half.y + rim - s->lo.y) / s->coarse);
-    memset(w->fresh, 0, (size_t)w->w * (size_t)w->h * sizeof *w->fresh);
+    memset(w->fresh, 0, rimmed_size(w));
     for (int32_t y = y0; y <= y1; y++) {
         if (x0 > x1)
             break;
@@ -282,9 +309,9 @@ static void draw_candidate(const quilt_source *s, const quilt_map *m,
             const quilt_dab *d = &s->dab.v[k];
             const tz_vec2 at = quilt_place_at(p, d->at);
             const double cx = at.x / m->cx - w->x, cy = at.y / m->cy - w->y;
-            if (!(cx >= 0 && cy >= 0 && cx < w->w && cy < w->h))
+            if (!(cx >= -2 && cy >= -2 && cx < w->w + 2 && cy < w->h + 2))
                 continue;
-            quilt_spot_add(&w->fresh[(ptrdiff_t)cy * w->w + (ptrdiff_t)cx],
+            quilt_spot_add(&w->fresh[rimmed(w, (int32_t)floor(cx), (int32_t)floor(cy))],
                            (quilt_spot){(uint8_t)((cx - floor(cx)) * 256),
                                         (uint8_t)((cy - floor(cy)) * 256),
                                         turned(d->turn, p, 1), d->pen});
@@ -292,48 +319,33 @@ static void draw_candidate(const quilt_source *s, const quilt_map *m,
     }
 }
 
-/* Lines that may be one: offset b - a in cells, across a. Negative = not. */
-static float line_off(quilt_spot a, quilt_spot b, int dx, int dy, float *across)
+/* Best partner of line a of cell `at` (of an array with a rim) in the 5 x 5 cells about it:
+ * how far off it is, and its offset across the line. 1 = none. */
+static float find_line(const quilt_window *w, const quilt_cell *in, ptrdiff_t at,
+                       quilt_spot a, float *across)
 {
-    const int turn = abs((int8_t)(uint8_t)(a.turn - b.turn));
-    if (turn > 43) /* 30 degrees */
-        return -1;
-    const float x = (float)dx + (float)(b.x - a.x) / 256,
-                y = (float)dy + (float)(b.y - a.y) / 256;
-    const float angle = (float)a.turn * (float)(TZ_PI / 256);
-    const float c = cosf(angle), s = sinf(angle);
-    *across = c * y - s * x;
-    const float along = c * x + s * y, t = (float)turn / 43;
-    if (fabsf(along) > 1.3F || fabsf(*across) > 2)
-        return -1;
-    return fminf(1, *across * *across / 4 + t * t + (a.pen != b.pen ? 0.7F : 0));
-}
-
-/* Best partner of a line in the 5 x 5 cells about it. 1 = none. */
-static float find_line(const quilt_map *m, const quilt_window *w, bool old, int32_t i,
-                       int32_t j, quilt_spot a, float *across)
-{
+    const float angle = (float)a.turn * (float)(TZ_PI / 256), c = cosf(angle),
+                s = sinf(angle);
+    const int stride = w->w + 4;
     float best = 1;
     for (int dy = -2; dy <= 2; dy++)
         for (int dx = -2; dx <= 2; dx++) {
-            const int32_t x = i + dx, y = j + dy;
-            const quilt_cell *c;
-            if (old) {
-                const ptrdiff_t at = cell_at(m, w, x, y);
-                if (at < 0)
+            const quilt_cell *q = &in[at + dy * stride + dx];
+            for (int k = 0; k < QUILT_SPOTS && q->spot[k].pen; k++) {
+                const quilt_spot b = q->spot[k];
+                const int turn = abs((int8_t)(uint8_t)(a.turn - b.turn));
+                if (turn > TURN_MOST)
                     continue;
-                c = &m->cell[at];
-            } else {
-                if (x < 0 || y < 0 || x >= w->w || y >= w->h)
+                const float x = (float)dx + (float)(b.x - a.x) / 256,
+                            y = (float)dy + (float)(b.y - a.y) / 256;
+                const float v = c * y - s * x, along = c * x + s * y,
+                            t = (float)turn / TURN_MOST, u = v / ACROSS_MOST;
+                if (fabsf(along) > ALONG_MOST)
                     continue;
-                c = &w->fresh[(ptrdiff_t)y * w->w + x];
-            }
-            for (int k = 0; k < QUILT_SPOTS && c->spot[k].pen; k++) {
-                float off;
-                const float cost = line_off(a, c->spot[k], dx, dy, &off);
-                if (cost >= 0 && cost < best) {
+                const float cost = u * u + t * t + (a.pen != b.pen ? 0.7F : 0);
+                if (cost < best) {
                     best = cost;
-                    *across = off;
+                    *across = v;
                 }
             }
         }
@@ -345,7 +357,7 @@ static void align(const quilt_source *s, const quilt_map *m, const quilt_place *
                   quilt_patch *p, quilt_window *w)
 {
     const tz_vec2 start = p->from;
-    for (int round = 0; round < 4; round++) {
+    for (int round = 0; round < 3; round++) {
         double xx = 1e-9, xy = 0, yy = 1e-9, rx = 0, ry = 0, n = 0;
         draw_candidate(s, m, p, w);
         for (int32_t j = 0; j < w->h; j++)
@@ -354,11 +366,12 @@ static void align(const quilt_source *s, const quilt_map *m, const quilt_place *
                 if (w->state[(ptrdiff_t)j * w->w + i] == QUILT_BLOCKED || at < 0 ||
                     m->label[at] == QUILT_NONE)
                     continue;
-                for (int k = 0; k < QUILT_SPOTS && m->cell[at].spot[k].pen; k++) {
-                    const quilt_spot a = m->cell[at].spot[k];
+                const quilt_cell *old = &w->old[rimmed(w, i, j)];
+                for (int k = 0; k < QUILT_SPOTS && old->spot[k].pen; k++) {
+                    const quilt_spot a = old->spot[k];
                     float across = 0;
                     const double wt =
-                        1 - (double)find_line(m, w, false, i, j, a, &across);
+                        1 - (double)find_line(w, w->fresh, rimmed(w, i, j), a, &across);
                     if (wt <= 0)
                         continue;
                     const double angle = a.turn * TZ_PI / 256;
@@ -417,10 +430,11 @@ static void compare(const quilt_source *s, const quilt_map *m, const quilt_patch
                 state[here] = known ? QUILT_OLD : QUILT_BLOCKED;
             if (!known)
                 continue;
-            for (int k = 0; k < QUILT_SPOTS && m->cell[at].spot[k].pen; k++)
-                sum += find_line(m, w, false, i, j, m->cell[at].spot[k], &across);
-            for (int k = 0; k < QUILT_SPOTS && w->fresh[here].spot[k].pen; k++)
-                sum += find_line(m, w, true, i, j, w->fresh[here].spot[k], &across);
+            const ptrdiff_t rim = rimmed(w, i, j);
+            for (int k = 0; k < QUILT_SPOTS && w->old[rim].spot[k].pen; k++)
+                sum += find_line(w, w->fresh, rim, w->old[rim].spot[k], &across);
+            for (int k = 0; k < QUILT_SPOTS && w->fresh[rim].spot[k].pen; k++)
+                sum += find_line(w, w->old, rim, w->fresh[rim].spot[k], &across);
             w->off[here] = sum;
         }
 }
@@ -451,7 +465,7 @@ static void lay(quilt_map *m, const quilt_place *place, const quilt_window *w,
             if (!w->best[here] || at < 0)
                 continue;
             m->label[at] = place->patch;
-            m->cell[at] = w->kept[here];
+            m->cell[at] = w->kept[rimmed(w, i, j)];
         }
     for (int32_t j = 0; j < w->h; j++)
         for (int32_t i = 0; i < w->w; i++)
@@ -471,6 +485,34 @@ static void lay(quilt_map *m, const quilt_place *place, const quilt_window *w,
             }
 }
 
+/* Spots that a cut adds, less those that the exemplar would have on what it newly covers
+ * and those that it replaces. */
+static double surplus(const quilt_source *s, const quilt_map *m, const quilt_window *w,
+                      const uint8_t *side, const quilt_cell *fresh)
+{
+    double sum = 0;
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            if (!side[(ptrdiff_t)j * w->w + i])
+                continue;
+            const ptrdiff_t rim = rimmed(w, i, j), at = cell_at(m, w, i, j);
+            for (int k = 0; k < QUILT_SPOTS; k++)
+                sum += (fresh[rim].spot[k].pen != 0) - (w->old[rim].spot[k].pen != 0);
+            sum -= m->label[at] == QUILT_NONE ? s->density : 0;
+        }
+    return sum;
+}
+
+/* Coverage of a window of the exemplar against the mean, less 1. */
+static double excess(const quilt_source *s, int32_t x, int32_t y, int32_t w, int32_t h)
+{
+    const int32_t fw = s->fx + 1;
+    const double *c = s->cover, all = c[(ptrdiff_t)s->fy * fw + s->fx],
+                 sum = c[(ptrdiff_t)(y + h) * fw + x + w] - c[(ptrdiff_t)y * fw + x + w] -
+                       c[(ptrdiff_t)(y + h) * fw + x] + c[(ptrdiff_t)y * fw + x];
+    return all > 0 ? sum / all * s->fx * s->fy / ((double)w * h) - 1 : 0;
+}
+
 /* ---- all of it ---------------------------------------------------------------------- */
 
 static int32_t choose(const quilt_source *s, const quilt_map *m, const quilt_place *place,
@@ -481,6 +523,8 @@ static int32_t choose(const quilt_source *s, const quilt_map *m, const quilt_pla
                   ch = (int32_t)fmin(s->fy, fmax(1, 2 * p->half.y / s->coarse + 0.01));
     const int32_t nx = s->fx - cw + 1, ny = s->fy - ch + 1;
     const double known = read_features(s, m, p, w, cw, ch);
+    const double room = s->density * w->w * w->h,
+                 owed = room > 0 ? fmax(-0.5, fmin(0.5, m->balance / room)) : 0;
     for (int32_t y = 0; y < ny; y++)
         for (int32_t x = 0; x < nx; x++) {
             const tz_vec2 from = {s->lo.x + (x + cw * 0.5) * s->coarse,
@@ -488,14 +532,16 @@ static int32_t choose(const quilt_source *s, const quilt_map *m, const quilt_pla
             const double vary = known > 0 ? 0.9 + 0.2 * tz_rng_unit(g) : tz_rng_unit(g);
             const double score =
                 (double)shift_score(s, w, cw, ch, x, y) / fmax(known, 1) + 1e-6;
+            const double off = excess(s, x, y, cw, ch) + owed;
             w->score[(ptrdiff_t)y * nx + x] =
-                (float)(known > 0 ? score * vary * repeats(s, m, place, from)
-                                  : vary + 1e3 * (score - 1e-6));
+                (float)(known > 0 ? score * vary * repeats(s, m, place, from) *
+                                        (1 + 2 * off * off)
+                                  : vary + off * off + 1e3 * (score - 1e-6));
         }
     return best_shifts(w, nx, ny, known > 0 ? most : 1, best);
 }
 
-tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, const quilt_place *place,
+tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, quilt_place *place,
                             const tz_curve_quilt_params *q, uint64_t seed,
                             quilt_window *w, bool *laid)
 {
@@ -512,10 +558,11 @@ tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, const quilt_pla
     double least = INFINITY;
     *laid = false;
     open_window(m, place, &p, w);
+    const double room = 0.3 * s->density * w->w * w->h;
     if (w->w == 0 || w->h == 0)
         return TZ_OK;
-    const int32_t n =
-        choose(s, m, place, &p, &g, w, best, q->candidates < MOST ? q->candidates : MOST);
+    const int32_t most = place->core > 0 ? (q->candidates + 1) / 2 : q->candidates;
+    const int32_t n = choose(s, m, place, &p, &g, w, best, most < MOST ? most : MOST);
     uint8_t *state = w->state + w->most;
     float *off = w->off;
     quilt_patch kept = p;
@@ -535,17 +582,20 @@ tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, const quilt_pla
         quilt_flow_cut(w->flow, w->w, w->h, off, state, w->side, &cost);
         if (place->core > 0 && !(cost < 0.8 * seams_gone(m, w, w->side)))
             continue;
-        const double score = (cost + 0.5) * repeats(s, m, place, c.from);
+        const double more = surplus(s, m, w, w->side, w->fresh),
+                     score = (cost + 0.5) * repeats(s, m, place, c.from) +
+                             0.04 * fabs(fmax(-room, fmin(room, m->balance)) + more);
         if (score < least) {
+            place->surplus = more;
             least = score;
             kept = c;
             memcpy(w->best, w->side, (size_t)w->w * (size_t)w->h);
-            memcpy(w->kept, w->fresh, (size_t)w->w * (size_t)w->h * sizeof *w->kept);
+            memcpy(w->kept, w->fresh, rimmed_size(w));
         }
     }
     if (least == INFINITY)
         return TZ_OK;
-    memcpy(w->fresh, w->kept, (size_t)w->w * (size_t)w->h * sizeof *w->fresh);
+    memcpy(w->fresh, w->kept, rimmed_size(w));
     compare(s, m, &kept, w, state);
     lay(m, place, w, off);
     m->patch.v[place->patch] = kept;

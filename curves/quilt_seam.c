@@ -14,7 +14,8 @@ enum { NO_PARENT = -1, IS_ROOT = 4, UNIT = 1000 };
 
 typedef struct quilt_flow {
     tz_ctx *ctx;
-    int32_t most, w, h;
+    int32_t most, w, h; /* cells in all; sides with the rim */
+    int32_t step[4];
     int32_t *room;        /* [4 cell + direction]: residual capacity */
     int8_t *tree, *up;    /* tree of each cell; direction of its parent */
     int32_t *stamp, *way; /* last time the root was seen, distance to it then */
@@ -60,16 +61,10 @@ void quilt_flow_free(tz_ctx *ctx, quilt_flow *f)
     tz_free(ctx, f);
 }
 
-/* Neighbour in direction d (right, down, left, up), or -1. */
-static int32_t neighbour(const quilt_flow *f, int32_t i, int d)
+/* Neighbour in direction d (right, down, left, up): the grid has a rim without room. */
+static inline int32_t neighbour(const quilt_flow *f, int32_t i, int d)
 {
-    const int32_t x = i % f->w;
-    switch (d) {
-    case 0: return x + 1 < f->w ? i + 1 : -1;
-    case 1: return i + f->w < f->w * f->h ? i + f->w : -1;
-    case 2: return x > 0 ? i - 1 : -1;
-    default: return i >= f->w ? i - f->w : -1;
-    }
+    return i + f->step[d];
 }
 
 /* Residual capacity between a cell of a tree and its neighbour j in direction d, in the
@@ -167,7 +162,7 @@ static void adopt(quilt_flow *f, int32_t i)
     int to = NO_PARENT;
     for (int d = 0; d < 4; d++) {
         const int32_t j = neighbour(f, i, d);
-        if (j < 0 || f->tree[j] != tree || *room_from(f, j, (d + 2) & 3, i, tree) == 0)
+        if (f->tree[j] != tree || *room_from(f, j, (d + 2) & 3, i, tree) == 0)
             continue;
         const int32_t n = rooted(f, j);
         if (n >= 0 && n < best) {
@@ -183,7 +178,7 @@ static void adopt(quilt_flow *f, int32_t i)
     }
     for (int d = 0; d < 4; d++) {
         const int32_t j = neighbour(f, i, d);
-        if (j < 0 || f->tree[j] != tree)
+        if (f->tree[j] != tree)
             continue;
         if (*room_from(f, j, (d + 2) & 3, i, tree) > 0)
             activate(f, j);
@@ -201,7 +196,7 @@ static bool grow(quilt_flow *f, int32_t i, int32_t meet[2], int *way)
         return false;
     for (int d = 0; d < 4; d++) {
         const int32_t j = neighbour(f, i, d);
-        if (j < 0 || *room_from(f, i, d, j, tree) == 0)
+        if (*room_from(f, i, d, j, tree) == 0)
             continue;
         if (f->tree[j] == FREE) {
             f->tree[j] = (int8_t)tree;
@@ -227,37 +222,58 @@ static void begin(quilt_flow *f, const float *off, const uint8_t *state)
     memset(f->queued, 0, (size_t)n);
     f->head = f->waiting = f->orphans = 0;
     f->time = 0;
+    memset(f->room, 0, 4 * (size_t)n * sizeof *f->room);
     for (int32_t i = 0; i < n; i++) {
-        f->tree[i] = state[i] == QUILT_OLD     ? SOURCE
-                     : state[i] == QUILT_FRESH ? SINK
-                                               : FREE;
-        f->up[i] = f->tree[i] == FREE ? NO_PARENT : IS_ROOT;
-        for (int d = 0; d < 4; d++) {
-            const int32_t j = neighbour(f, i, d);
-            f->room[4 * (ptrdiff_t)i + d] =
-                j < 0 || state[i] == QUILT_BLOCKED || state[j] == QUILT_BLOCKED
-                    ? 0
-                    : (int32_t)(UNIT * (off[i] + off[j] + QUILT_SEAM_LEAST));
-        }
+        f->tree[i] = FREE;
+        f->up[i] = NO_PARENT;
     }
+    for (int32_t y = 0; y < f->h - 2; y++)
+        for (int32_t x = 0; x < f->w - 2; x++) {
+            static const int8_t step[2][2] = {{1, 0}, {0, 1}};
+            const int32_t i = (y + 1) * f->w + x + 1, at = y * (f->w - 2) + x;
+            if (state[at] == QUILT_BLOCKED)
+                continue;
+            if (state[at] != QUILT_FREE) {
+                f->tree[i] = state[at] == QUILT_OLD ? SOURCE : SINK;
+                f->up[i] = IS_ROOT;
+            }
+            for (int d = 0; d < 2; d++) {
+                const int32_t u = x + step[d][0], v = y + step[d][1],
+                              to = v * (f->w - 2) + u;
+                if (u >= f->w - 2 || v >= f->h - 2 || state[to] == QUILT_BLOCKED)
+                    continue;
+                f->room[4 * (ptrdiff_t)i + d] =
+                    f->room[4 * (ptrdiff_t)(i + f->step[d]) + d + 2] =
+                        (int32_t)(UNIT * (off[at] + off[to] + QUILT_SEAM_LEAST));
+            }
+        }
+    /* only where trees have somewhere to grow */
     for (int32_t i = 0; i < n; i++)
-        if (f->tree[i] != FREE)
-            activate(f, i);
+        for (int d = 0; d < 4 && f->tree[i] != FREE; d++)
+            if (f->room[4 * (ptrdiff_t)i + d] > 0 &&
+                f->tree[i + f->step[d]] != f->tree[i]) {
+                activate(f, i);
+                break;
+            }
 }
 
 void quilt_flow_cut(quilt_flow *f, int32_t w, int32_t h, const float *off,
                     const uint8_t *state, uint8_t *side, double *cost)
 {
     int64_t flow = 0;
-    f->w = w;
-    f->h = h;
+    f->w = w + 2;
+    f->h = h + 2;
+    f->step[0] = 1;
+    f->step[1] = f->w;
+    f->step[2] = -1;
+    f->step[3] = -f->w;
     begin(f, off, state);
     while (f->waiting > 0) {
         const int32_t i = f->queue[f->head];
         int32_t meet[2];
         int way = 0;
         if (!grow(f, i, meet, &way)) {
-            f->head = (f->head + 1) % (w * h);
+            f->head = (f->head + 1) % (f->w * f->h);
             f->waiting--;
             f->queued[i] = 0;
             continue;
@@ -269,7 +285,8 @@ void quilt_flow_cut(quilt_flow *f, int32_t w, int32_t h, const float *off,
             adopt(f, o);
         }
     }
-    for (int32_t i = 0; i < w * h; i++)
-        side[i] = state[i] != QUILT_BLOCKED && f->tree[i] == SINK;
+    for (int32_t y = 0; y < h; y++)
+        for (int32_t x = 0; x < w; x++)
+            side[(ptrdiff_t)y * w + x] = f->tree[(y + 1) * f->w + x + 1] == SINK;
     *cost = (double)flow / UNIT;
 }

@@ -161,7 +161,7 @@ static void box_things(const quilt_source *s, int32_t *up, thing *t)
         b->hi = (tz_vec2){fmax(b->hi.x, hi.x), fmax(b->hi.y, hi.y)};
         b->id = 0;
     }
-    const double most = 0.75 * s->patch, rim = s->cell / 4;
+    const double most = s->largest, rim = s->cell / 4;
     for (int32_t i = 0; i < set->node.n; i++)
         t[i].is = t[i].id == 0 && t[i].hi.x - t[i].lo.x < most &&
                   t[i].hi.y - t[i].lo.y < most && t[i].lo.x > rim && t[i].lo.y > rim &&
@@ -214,6 +214,23 @@ static tz_status merge_things(quilt_source *s, int32_t *up, thing *t)
     return st;
 }
 
+/* How large a thing may be. Loops by themselves are things even if they are large, where
+ * most of the drawing is of that sort (wheels, not hills with contour lines). */
+static double largest_thing(const quilt_source *s)
+{
+    double closed = 0, all = 0;
+    for (int32_t i = 0; i < s->set->path.n; i++) {
+        const tz_curve_path *p = &s->set->path.v[i];
+        for (int32_t k = p->piece; k < p->piece + p->pieces; k++) {
+            const tz_bezier b = tz_curve_bezier(s->set, &s->set->piece.v[k]);
+            const double n = tz_bezier_length(&b);
+            all += n;
+            closed += p->closed ? n : 0;
+        }
+    }
+    return (closed > 0.6 * all ? 0.75 : 0.3) * s->patch;
+}
+
 static tz_status find_things(quilt_source *s)
 {
     const tz_curve_set *set = s->set;
@@ -228,6 +245,7 @@ static tz_status find_things(quilt_source *s)
         st = tz_alloc_zero(s->ctx, &s->centre, (size_t)set->node.n, sizeof *s->centre);
     if (st != TZ_OK)
         goto done;
+    s->largest = largest_thing(s);
     for (int32_t i = 0; i < set->node.n; i++)
         up[i] = i;
     for (int32_t i = 0; i < set->piece.n; i++) {
@@ -312,6 +330,45 @@ static tz_status make_dabs(quilt_source *s)
     return st;
 }
 
+/* Coverage summed from the corner, and spots a cell. */
+static tz_status measure_density(quilt_source *s)
+{
+    const int32_t w = (int32_t)((s->hi.x - s->lo.x) / s->cell) + 1,
+                  h = (int32_t)((s->hi.y - s->lo.y) / s->cell) + 1, fw = s->fx + 1;
+    quilt_cell *cell = NULL;
+    int64_t spots = 0;
+    tz_status st = tz_alloc_zero(s->ctx, &cell, (size_t)w * (size_t)h, sizeof *cell);
+    if (st == TZ_OK)
+        st = tz_alloc_zero(s->ctx, &s->cover, (size_t)fw * (size_t)(s->fy + 1),
+                           sizeof *s->cover);
+    if (st != TZ_OK)
+        goto done;
+    for (int32_t i = 0; i < s->dab.n; i++) {
+        const quilt_dab *d = &s->dab.v[i];
+        quilt_spot_add(&cell[(ptrdiff_t)((d->at.y - s->lo.y) / s->cell) * w +
+                             (ptrdiff_t)((d->at.x - s->lo.x) / s->cell)],
+                       (quilt_spot){0, 0, d->turn, d->pen});
+    }
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)w * h; i++)
+        for (int k = 0; k < QUILT_SPOTS; k++)
+            spots += cell[i].spot[k].pen != 0;
+    s->density =
+        (double)spots / ((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / (s->cell * s->cell));
+    for (int32_t y = 0; y < s->fy; y++) {
+        double row = 0;
+        for (int32_t x = 0; x < s->fx; x++) {
+            for (int c = 0; c < 4; c++)
+                row +=
+                    (double)s->feature[((ptrdiff_t)y * s->fx + x) * QUILT_CHANNELS + c];
+            s->cover[(ptrdiff_t)(y + 1) * fw + x + 1] =
+                row + s->cover[(ptrdiff_t)y * fw + x + 1];
+        }
+    }
+done:
+    tz_free(s->ctx, cell);
+    return st;
+}
+
 static int32_t bin_of(const quilt_source *s, tz_vec2 p)
 {
     const int32_t x = (int32_t)((p.x - s->lo.x) / s->coarse),
@@ -392,6 +449,8 @@ tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set,
     if (st == TZ_OK)
         st = make_features(s);
     if (st == TZ_OK)
+        st = measure_density(s);
+    if (st == TZ_OK)
         st = sort_dabs(s);
     if (st != TZ_OK)
         quilt_source_deinit(s);
@@ -404,6 +463,7 @@ void quilt_source_deinit(quilt_source *s)
     tz_free(s->ctx, s->bin);
     tz_free(s->ctx, s->feature);
     tz_free(s->ctx, s->valid);
+    tz_free(s->ctx, s->cover);
     tz_free(s->ctx, s->object);
     tz_free(s->ctx, s->centre);
     tz_free(s->ctx, s->degree);

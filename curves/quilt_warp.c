@@ -101,7 +101,7 @@ static void straighten(const quilt_source *s, const quilt_map *m, quilt_runs *r)
             const tz_vec2 foot = tz_vec2_add(p, tz_vec2_scale(d, t));
             const double off = tz_vec2_length(tz_vec2_sub(foot, a->to)),
                          least = fmin(t, 1 - t) * sqrt(n);
-            if (t <= 0 || t >= 1 || off > 0.25 * least)
+            if (t <= 0 || t >= 1 || off > 0.07 * least)
                 continue;
             a->to = foot;
             b->to = tz_vec2_sub(foot, shift);
