@@ -1,12 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Places: Eq. (1) to (4). The distribution step solves for the steps d of all samples
+/* Places: Eq. (1) to (4). The distribution step solves for the steps d of all nodes
  *
- *   sum |d - g|^2 + 2 sum over conflicts |d' - d - h|^2 + 2 sum over borders |d - k|^2
+ *   sum a |d - g|^2 + 2 sum over conflicts |d' - d - h|^2 + 2 sum over borders |d - k|^2
  *
  * with g from a sample to the centre of its cell, h what two samples of different bodies
  * lack along the line between them, (w_v - 1) p', and k what a sample lacks to the border.
- * [Hsu20] lays fixed samples along the border; here its nearest point is one, found anew
- * each time, which is the same for samples laid infinitely dense.
+ *
+ * Where it departs from [Hsu20]:
+ *   - a, the area of the cell over the mean cell, is 1 there. With it the first sum is the
+ *     slope of an energy, sum of the integrals of |x - p|^2 over the cells, that no common
+ *     shift changes; without it bodies of unequal discs swim through the domain;
+ *   - samples of a rigid body have one step together, so that pushes between bodies are
+ *     equal and opposite however many discs they have, for the same reason;
+ *   - fixed samples are laid along the border there; here its nearest point is one, found
+ *     anew each time, which is the same for samples laid infinitely dense.
  *
  * The graph step then minimises, body by body, sum |p - p*|^2 + w_g E_g from the places
  * p* just found. Its matrix depends on the graph alone: the inverse is kept by model. */
@@ -21,6 +28,7 @@ typedef struct place_run {
     tz_fill *f;
     const tz_power_cells *cells;
     const tz_vec3 *centre;
+    double per_area; /* 1 / mean area of cells */
 } place_run;
 
 static bool is_live(const tz_fill *f, int32_t s)
@@ -87,63 +95,90 @@ static tz_status reserve_hits(tz_fill *f, const tz_power_cells *cells)
     return s;
 }
 
-/* Steps to the centres, conflicts, right side. Sums: distribution, conflict, border. */
+static tz_vec3 to_centre(const place_run *t, int32_t s)
+{
+    if (!(t->cells->area[s] > 0))
+        return (tz_vec3){0, 0, 0};
+    return t->centre ? t->centre[s]
+                     : (tz_vec3){t->cells->centre[s].x, t->cells->centre[s].y, 0};
+}
+
+static int32_t end_of(const tz_fill *f, int32_t node)
+{
+    const tz_fill_body *b = &f->body.v[f->owner[node]];
+    return node + (f->model.v[b->model].rigidity >= TZ_FILL_RIGID ? b->n : 1);
+}
+
+/* (w_v - 1) p' of two samples that are too near; false if they are not. */
+static bool lacks_room(const tz_fill *f, int32_t s, int32_t q, double h[3], double *lack)
+{
+    const tz_vec3 v = tz_fill_vector(f, f->at[s], f->at[q]);
+    const double d2 = v.x * v.x + v.y * v.y + v.z * v.z;
+    const double sum = tz_fill_radius(f, s) + tz_fill_radius(f, q);
+    if (d2 >= sum * sum)
+        return false;
+    const double d = sqrt(d2), by = d > 1e-9 * sum ? sum / d - 1 : 0;
+    h[0] = by * v.x, h[1] = by * v.y, h[2] = by * v.z;
+    *lack = sum - d;
+    return true;
+}
+
+/* Adds a sample's terms to its node's row. */
+static void add_sample(const place_run *t, int32_t s, double *g, double *diag,
+                       double sums[4])
+{
+    tz_fill *f = t->f;
+    const tz_vec3 c = to_centre(t, s);
+    const double a = t->cells->area[s] * t->per_area;
+    double k[3];
+    g[0] += a * c.x, g[1] += a * c.y, g[2] += a * c.z;
+    *diag += a;
+    sums[0] += a * (c.x * c.x + c.y * c.y + c.z * c.z);
+    f->pressure[s] = 0;
+    if (lacks_border(f, s, k)) {
+        double lack = 0;
+        *diag += 2;
+        for (int i = 0; i < f->dim; i++) {
+            g[i] += 2 * k[i];
+            lack += k[i] * k[i];
+        }
+        sums[2] += 2 * lack;
+        f->pressure[s] += sqrt(lack) / (f->c[s] * f->radius[s]);
+    }
+}
+
+/* Rows of nodes: diagonal, conflicts, right side. Sums: distribution, conflict, border. */
 static void find_hits(void *arg, int32_t from, int32_t to, double sums[4])
 {
     const place_run *t = arg;
     tz_fill *f = t->f;
-    const int m = f->dim;
     for (int32_t j = from; j < to; j++) {
-        const int32_t s = f->live_sample.v[j];
-        double g[3] = {0, 0, 0}, k[3], diag = 0;
-        f->pressure[s] = 0;
-        if (t->cells->area[s] > 0) {
-            if (t->centre)
-                g[0] = t->centre[s].x, g[1] = t->centre[s].y, g[2] = t->centre[s].z;
-            else
-                g[0] = t->cells->centre[s].x, g[1] = t->cells->centre[s].y;
-        }
-        diag += 1; /* a sample without a cell stays where it is */
-        for (int i = 0; i < m; i++)
-            sums[0] += g[i] * g[i];
-        if (lacks_border(f, s, k)) {
-            diag += 2;
-            double lack = 0;
-            for (int i = 0; i < m; i++) {
-                g[i] += 2 * k[i];
-                sums[2] += 2 * k[i] * k[i];
-                lack += k[i] * k[i];
-            }
-            f->pressure[s] += sqrt(lack) / (f->c[s] * f->radius[s]);
-        }
-        int32_t n = f->hit_start[s];
-        const int32_t *near = t->cells->neighbour + t->cells->start[s];
-        for (int32_t i = 0; i < t->cells->count[s]; i++) {
-            const int32_t q = near[i];
-            if (f->owner[q] == f->owner[s])
-                continue;
-            const tz_vec3 v = tz_fill_vector(f, f->at[s], f->at[q]);
-            const double d2 = v.x * v.x + v.y * v.y + v.z * v.z;
-            const double sum = tz_fill_radius(f, s) + tz_fill_radius(f, q);
-            if (d2 >= sum * sum)
-                continue;
-            const double d = sqrt(d2), by = d > 1e-9 * sum ? sum / d - 1 : 0;
-            const double h[3] = {by * v.x, by * v.y, by * v.z};
-            f->hit_to[n] = q, f->hit_w[n++] = 2;
-            f->pressure[s] += (sum - d) / tz_fill_radius(f, s);
-            for (int a = 0; a < m; a++) {
-                g[a] -= 2 * h[a];
-                sums[1] += (is_live(f, q) ? 1 : 2) * h[a] * h[a];
+        const int32_t node = f->live_node.v[j], end = end_of(f, node);
+        double g[3] = {0, 0, 0}, diag = 1e-3; /* with no cell it stays */
+        int32_t n = f->hit_start[node];
+        for (int32_t s = node; s < end; s++) {
+            add_sample(t, s, g, &diag, sums);
+            const int32_t *near = t->cells->neighbour + t->cells->start[s];
+            for (int32_t i = 0; i < t->cells->count[s]; i++) {
+                const int32_t q = near[i];
+                double h[3], lack;
+                if (f->owner[q] == f->owner[s] || !lacks_room(f, s, q, h, &lack))
+                    continue;
+                f->hit_to[n] = f->node[q], f->hit_w[n++] = 2;
+                f->pressure[s] += lack / tz_fill_radius(f, s);
+                g[0] -= 2 * h[0], g[1] -= 2 * h[1], g[2] -= 2 * h[2];
+                sums[1] +=
+                    (is_live(f, q) ? 1 : 2) * (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
             }
         }
-        f->hit_count[s] = n - f->hit_start[s];
-        f->diag[s] = diag;
-        for (int a = 0; a < m; a++)
-            f->gradient[(ptrdiff_t)s * m + a] = g[a];
+        f->hit_count[node] = n - f->hit_start[node];
+        f->diag[node] = diag;
+        for (int a = 0; a < f->dim; a++)
+            f->gradient[(ptrdiff_t)node * f->dim + a] = g[a];
     }
 }
 
-/* The same energies after the step. */
+/* The same energies after the step, of the places before it. */
 static void measure_after(void *arg, int32_t from, int32_t to, double sums[4])
 {
     const place_run *t = arg;
@@ -151,33 +186,47 @@ static void measure_after(void *arg, int32_t from, int32_t to, double sums[4])
     const int m = f->dim;
     for (int32_t j = from; j < to; j++) {
         const int32_t s = f->live_sample.v[j];
-        const double *d = f->step + (ptrdiff_t)s * m;
-        double g[3] = {0, 0, 0}, k[3];
-        if (t->cells->area[s] > 0) {
-            if (t->centre)
-                g[0] = t->centre[s].x, g[1] = t->centre[s].y, g[2] = t->centre[s].z;
-            else
-                g[0] = t->cells->centre[s].x, g[1] = t->cells->centre[s].y;
-        }
+        const double *d = f->step + (ptrdiff_t)f->node[s] * m;
+        const tz_vec3 c = to_centre(t, s);
+        const double g[3] = {c.x, c.y, c.z}, a = t->cells->area[s] * t->per_area;
+        double k[3], h[3], lack;
         const bool border = lacks_border(f, s, k);
-        for (int a = 0; a < m; a++) {
-            sums[0] += (d[a] - g[a]) * (d[a] - g[a]);
-            sums[2] += border ? 2 * (d[a] - k[a]) * (d[a] - k[a]) : 0;
+        for (int i = 0; i < m; i++) {
+            sums[0] += a * (d[i] - g[i]) * (d[i] - g[i]);
+            sums[2] += border ? 2 * (d[i] - k[i]) * (d[i] - k[i]) : 0;
         }
-        for (int32_t e = f->hit_start[s]; e < f->hit_start[s] + f->hit_count[s]; e++) {
-            const int32_t q = f->hit_to[e];
-            const tz_vec3 v = tz_fill_vector(f, f->at[s], f->at[q]);
-            const double l = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-            const double sum = tz_fill_radius(f, s) + tz_fill_radius(f, q);
-            const double by = l > 1e-9 * sum ? sum / l - 1 : 0;
-            const double h[3] = {by * v.x, by * v.y, by * v.z};
+        const int32_t *near = t->cells->neighbour + t->cells->start[s];
+        for (int32_t e = 0; e < t->cells->count[s]; e++) {
+            const int32_t q = near[e];
+            if (f->owner[q] == f->owner[s] || !lacks_room(f, s, q, h, &lack))
+                continue;
             const bool live = is_live(f, q);
-            for (int a = 0; a < m; a++) {
-                const double o = live ? f->step[(ptrdiff_t)q * m + a] : 0;
-                sums[1] += (live ? 1 : 2) * (o - d[a] - h[a]) * (o - d[a] - h[a]);
+            for (int i = 0; i < m; i++) {
+                const double o = live ? f->step[(ptrdiff_t)f->node[q] * m + i] : 0;
+                sums[1] += (live ? 1 : 2) * (o - d[i] - h[i]) * (o - d[i] - h[i]);
             }
         }
     }
+}
+
+/* What the graph step would add to a soft body's step as a whole, so that it is the mean
+ * weighed by area, as for rigid ones, and not by number of discs. */
+static tz_vec3 drift(const place_run *t, const tz_fill_body *b)
+{
+    const tz_fill *f = t->f;
+    double plain[3] = {0, 0, 0}, weighed[3] = {0, 0, 0}, area = 0;
+    for (int32_t s = b->first; s < b->first + b->n; s++) {
+        const double a = t->cells->area[s];
+        for (int i = 0; i < f->dim; i++) {
+            const double d = f->step[(ptrdiff_t)s * f->dim + i];
+            plain[i] += d / b->n, weighed[i] += a * d;
+        }
+        area += a;
+    }
+    if (!(area > 0))
+        return (tz_vec3){0, 0, 0};
+    return (tz_vec3){weighed[0] / area - plain[0], weighed[1] / area - plain[1],
+                     weighed[2] / area - plain[2]};
 }
 
 static void add_step(void *arg, int32_t from, int32_t to, double sums[4])
@@ -186,11 +235,15 @@ static void add_step(void *arg, int32_t from, int32_t to, double sums[4])
     tz_fill *f = t->f;
     (void)sums;
     for (int32_t j = from; j < to; j++) {
-        const int32_t s = f->live_sample.v[j];
-        const double *d = f->step + (ptrdiff_t)s * f->dim;
-        f->at[s].x += d[0], f->at[s].y += d[1];
-        if (f->dim == 3)
-            f->at[s].z += d[2];
+        const tz_fill_body *b = &f->body.v[f->live.v[j]];
+        const bool soft = b->n > 1 && f->model.v[b->model].rigidity < TZ_FILL_RIGID;
+        const tz_vec3 v = soft ? drift(t, b) : (tz_vec3){0, 0, 0};
+        for (int32_t s = b->first; s < b->first + b->n; s++) {
+            const double *d = f->step + (ptrdiff_t)f->node[s] * f->dim;
+            f->at[s].x += d[0] + v.x, f->at[s].y += d[1] + v.y;
+            if (f->dim == 3)
+                f->at[s].z += d[2] + v.z;
+        }
     }
 }
 
@@ -198,16 +251,19 @@ tz_status tz_fill_distribution_step(tz_fill *f, const tz_power_cells *cells,
                                     const tz_vec3 *centre, double before_after[2],
                                     double terms[3])
 {
-    place_run t = {f, cells, centre};
+    const double all = f->dim == 3
+                           ? f->domain.size.x * f->domain.size.y * f->domain.size.z
+                           : tz_domain_area(&f->domain);
+    place_run t = {f, cells, centre, f->n / all};
     double sums[4] = {0};
     tz_status s = reserve_hits(f, cells);
     if (s == TZ_OK)
-        s = tz_fill_blocks(f->ctx, f->live_sample.n, find_hits, &t, sums);
+        s = tz_fill_blocks(f->ctx, f->live_node.n, find_hits, &t, sums);
     const double per = 1 / (f->unit * f->unit);
     before_after[0] = (sums[0] + sums[1] + sums[2]) * per;
     const tz_fill_system y = {.ctx = f->ctx,
-                              .nodes = f->live_sample.n,
-                              .node = f->live_sample.v,
+                              .nodes = f->live_node.n,
+                              .node = f->live_node.v,
                               .m = f->dim,
                               .columns = 1,
                               .start = f->hit_start,
@@ -225,7 +281,7 @@ tz_status tz_fill_distribution_step(tz_fill *f, const tz_power_cells *cells,
     for (int k = 0; k < 3 && terms; k++)
         terms[k] = sums[k] * per;
     if (s == TZ_OK)
-        s = tz_fill_blocks(f->ctx, f->live_sample.n, add_step, &t, NULL);
+        s = tz_fill_blocks(f->ctx, f->live.n, add_step, &t, NULL);
     return s;
 }
 

@@ -1,7 +1,501 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* True outlines. Discs stand for shapes only nearly: corners reach beyond them, and where
+ * many push no one gives way enough. Here points of each outline are looked up in the
+ * signed distances of the shapes beside it (bodies whose discs are neighbours); the deepest
+ * point of each pair pushes both apart along the slope there, by half of its depth each,
+ * and turns a rigid body a little:
+ *
+ *   1. rounds of pushes, until nothing overlaps or they are used up;
+ *   2. what still overlaps shrinks, step by step, to no less than LEAST of its size;
+ *   3. what still does leaves;
+ *   4. where an empty disc holds a thing of the mix (and the count is free), one comes.
+ * @source the rounds: Mueller et al., Position based dynamics, 2007 */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
 #include "elements/fill_internal.h"
+
+enum { ROUNDS = 24, AGAIN = 8, SHRINKS = 12, STREAM_GAP = 0xf1e20 };
+#define LEAST 0.8
+#define DEEP  0.004 /* of the largest disc: no contact yet */
+
+/* A body as a contact sees it. */
+typedef struct pose {
+    tz_vec2 at, turn; /* of a rigid body; turn times scale */
+    double scale, reach;
+    bool soft;
+} pose;
+
+/* What is done to a body in one round. */
+typedef struct push {
+    double x, y, turn, depth;
+    int32_t n;
+} push;
+
+typedef struct repair {
+    tz_fill *f;
+    pose *pose;
+    push *push;
+    bool *awake; /* to be looked at */
+    int32_t *start, *near;
+} repair;
+
+static void find_pose(const tz_fill *f, int32_t i, pose *p)
+{
+    const tz_fill_body *b = &f->body.v[i];
+    const tz_fill_model *m = &f->model.v[b->model];
+    double angle;
+    tz_fill_pose(f, i, &p->at, &angle, &p->scale);
+    p->turn = (tz_vec2){p->scale * cos(angle), p->scale * sin(angle)};
+    p->soft = b->n > 1 && m->rigidity < TZ_FILL_RIGID;
+    p->reach = m->reach * p->scale;
+    for (int32_t s = b->first; s < b->first + b->n && p->soft; s++)
+        p->reach = fmax(p->reach, hypot(f->at[s].x - p->at.x, f->at[s].y - p->at.y) +
+                                      2 * f->c[s] * f->radius[s]);
+}
+
+static tz_vec2 border_point(const repair *r, int32_t i, int32_t k)
+{
+    const tz_fill_model *m = &r->f->model.v[r->f->body.v[i].model];
+    const pose *p = &r->pose[i];
+    const tz_vec2 q = m->border[k];
+    if (p->soft)
+        return tz_fill_to_world(r->f, i, q);
+    return (tz_vec2){p->at.x + p->turn.x * q.x - p->turn.y * q.y,
+                     p->at.y + p->turn.y * q.x + p->turn.x * q.y};
+}
+
+/* How deep a place of the world lies in a body, and the way out. */
+static double depth_in(const repair *r, int32_t i, tz_vec2 at, tz_vec2 *out)
+{
+    const tz_fill *f = r->f;
+    const tz_fill_model *m = &f->model.v[f->body.v[i].model];
+    const pose *p = &r->pose[i];
+    tz_vec2 turn = p->turn, in, slope;
+    double scale = p->scale;
+    if (p->soft) {
+        in = tz_fill_to_model(f, i, at, &scale, &turn);
+    } else {
+        const tz_vec3 v =
+            tz_fill_vector(f, (tz_vec3){p->at.x, p->at.y, 0}, (tz_vec3){at.x, at.y, 0});
+        const double s2 = 1 / (scale * scale);
+        if (v.x * v.x + v.y * v.y >= p->reach * p->reach)
+            return -1;
+        in = (tz_vec2){(turn.x * v.x + turn.y * v.y) * s2,
+                       (turn.x * v.y - turn.y * v.x) * s2};
+        turn = tz_vec2_scale(turn, 1 / scale);
+    }
+    const double d = tz_shape_distance_at(&m->cover.distance, in, &slope) * scale;
+    const double l = tz_vec2_length(slope);
+    if (d > 0 && l > 0)
+        *out = (tz_vec2){-(turn.x * slope.x - turn.y * slope.y) / l,
+                         -(turn.y * slope.x + turn.x * slope.y) / l};
+    else
+        *out = (tz_vec2){0, 0};
+    return d;
+}
+
+/* Deepest border point of a in b. */
+static double deepest(const repair *r, int32_t a, int32_t b, tz_vec2 *at, tz_vec2 *out)
+{
+    const tz_fill_model *m = &r->f->model.v[r->f->body.v[a].model];
+    double most = 0;
+    for (int32_t k = 0; k < m->borders; k++) {
+        tz_vec2 way;
+        const tz_vec2 q = border_point(r, a, k);
+        const double d = depth_in(r, b, q, &way);
+        if (d > most)
+            most = d, *at = q, *out = way;
+    }
+    return most;
+}
+
+static bool are_near(const repair *r, int32_t a, int32_t b)
+{
+    const pose *p = &r->pose[a], *q = &r->pose[b];
+    const tz_vec3 v = tz_fill_vector(r->f, (tz_vec3){p->at.x, p->at.y, 0},
+                                     (tz_vec3){q->at.x, q->at.y, 0});
+    const double sum = p->reach + q->reach;
+    return v.x * v.x + v.y * v.y < sum * sum;
+}
+
+static void add_push(const repair *r, int32_t i, push *p, tz_vec2 at, double x, double y,
+                     double depth)
+{
+    const tz_vec3 arm = tz_fill_vector(
+        r->f, (tz_vec3){r->pose[i].at.x, r->pose[i].at.y, 0}, (tz_vec3){at.x, at.y, 0});
+    const double reach = r->pose[i].reach;
+    p->x += x, p->y += y;
+    p->turn += (arm.x * y - arm.y * x) / (reach * reach);
+    p->depth = fmax(p->depth, depth);
+    p->n++;
+}
+
+/* What a body's outline lacks to the border of the domain. */
+static void push_inside(const repair *r, int32_t i, push *p)
+{
+    const tz_fill *f = r->f;
+    const tz_fill_model *m = &f->model.v[f->body.v[i].model];
+    const tz_domain *d = &f->domain;
+    const tz_vec3 at = {r->pose[i].at.x, r->pose[i].at.y, 0};
+    if (tz_domain_depth(d, tz_domain_wrap(d, at)) > r->pose[i].reach)
+        return;
+    double most = 0;
+    tz_vec2 where = {0, 0};
+    for (int32_t k = 0; k < m->borders; k++) {
+        const tz_vec2 q = border_point(r, i, k);
+        const double out = -tz_domain_depth(d, tz_domain_wrap(d, (tz_vec3){q.x, q.y, 0}));
+        if (out > most)
+            most = out, where = q;
+    }
+    if (!(most > 0))
+        return;
+    const double e = 0.01 * r->pose[i].reach;
+    double x = 0, y = 0;
+    for (int k = -1; k <= 1; k += 2) {
+        x += k * tz_domain_depth(
+                     d, tz_domain_wrap(d, (tz_vec3){where.x + k * e, where.y, 0}));
+        y += k * tz_domain_depth(
+                     d, tz_domain_wrap(d, (tz_vec3){where.x, where.y + k * e, 0}));
+    }
+    const double l = hypot(x, y);
+    if (l > 0)
+        add_push(r, i, p, where, most * x / l, most * y / l, most);
+}
+
+static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const repair *r = arg;
+    tz_fill *f = r->f;
+    for (int32_t j = from; j < to; j++) {
+        const int32_t a = f->live.v[j];
+        push p = {0, 0, 0, 0, 0};
+        if (r->awake[a] && !f->body.v[a].gone) {
+            for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
+                const int32_t b = r->near[k];
+                tz_vec2 at, out;
+                if (f->body.v[b].gone || !are_near(r, a, b))
+                    continue;
+                const bool held = f->body.v[b].fixed || !f->body.v[b].awake;
+                const double share = held ? 1 : 0.5, d = deepest(r, a, b, &at, &out);
+                if (d > 0)
+                    add_push(r, a, &p, at, share * d * out.x, share * d * out.y, d);
+                const double e = deepest(r, b, a, &at, &out);
+                if (e > 0)
+                    add_push(r, a, &p, at, -share * e * out.x, -share * e * out.y, e);
+            }
+            push_inside(r, a, &p);
+        }
+        r->push[a] = p;
+        sums[0] += p.n > 0;
+    }
+}
+
+/* ---- rounds ------------------------------------------------------------------------- */
+
+static double slack_of(const tz_fill *f, int32_t i)
+{
+    const tz_fill_body *b = &f->body.v[i];
+    return DEEP * f->radius[b->first] * tz_fill_scale(f, b->first);
+}
+
+static void move_body(repair *r, int32_t i)
+{
+    tz_fill *f = r->f;
+    const tz_fill_body *b = &f->body.v[i];
+    const push *p = &r->push[i];
+    /* of many pushes, each asks for its own way: the mean, and a little more */
+    const double by = p->n > 0 ? fmin(1, 1.6 / p->n) : 0;
+    const double x = by * p->x, y = by * p->y;
+    double a = r->pose[i].soft ? 0 : 0.4 * by * p->turn;
+    a = fmin(fmax(a, -0.06), 0.06);
+    const double c = cos(a), s = sin(a);
+    for (int32_t k = b->first; k < b->first + b->n; k++) {
+        const double u = f->at[k].x - r->pose[i].at.x, v = f->at[k].y - r->pose[i].at.y;
+        double *o = f->o + 2 * (ptrdiff_t)k;
+        f->at[k].x = r->pose[i].at.x + c * u - s * v + x;
+        f->at[k].y = r->pose[i].at.y + s * u + c * v + y;
+        const double ox = o[0], oy = o[1];
+        o[0] = c * ox - s * oy, o[1] = s * ox + c * oy;
+    }
+    find_pose(f, i, &r->pose[i]);
+}
+
+/* Bodies that the discs of each touch. */
+static tz_status find_near(repair *r)
+{
+    tz_fill *f = r->f;
+    TZ_ARRAY(int32_t)
+    list = {0};
+    f->fresh = false;
+    tz_status s = tz_fill_diagram(f);
+    const tz_power_cells c = tz_power_get(f->power);
+    tz_free(f->ctx, r->near);
+    r->near = NULL;
+    for (int32_t i = 0; i < f->body.n && s == TZ_OK; i++) {
+        const tz_fill_body *b = &f->body.v[i];
+        r->start[i] = list.n;
+        if (b->gone || b->fixed || !b->awake)
+            continue;
+        for (int32_t k = b->first; k < b->first + b->n && s == TZ_OK; k++)
+            for (int32_t e = 0; e < c.count[k] && s == TZ_OK; e++) {
+                const int32_t o = f->owner[c.neighbour[c.start[k] + e]];
+                bool new = o != i;
+                for (int32_t j = r->start[i]; j < list.n && new; j++)
+                    new = list.v[j] != o;
+                if (new)
+                    s = tz_array_push(f->ctx, &list, o);
+            }
+    }
+    r->start[f->body.n] = list.n;
+    r->near = list.v;
+    return s;
+}
+
+/* Those that moved are looked at again, and those beside them. */
+static void wake_moved(repair *r)
+{
+    tz_fill *f = r->f;
+    for (int32_t j = 0; j < f->live.n; j++)
+        r->awake[f->live.v[j]] = false;
+    for (int32_t j = 0; j < f->live.n; j++) {
+        const int32_t i = f->live.v[j];
+        if (r->push[i].n == 0)
+            continue;
+        r->awake[i] = true;
+        for (int32_t k = r->start[i]; k < r->start[i + 1]; k++)
+            r->awake[r->near[k]] = true;
+    }
+}
+
+static void wake_every(repair *r)
+{
+    for (int32_t i = 0; i < r->f->body.n; i++)
+        r->awake[i] = true;
+}
+
+/* One round; *left = bodies that overlap more than the slack. */
+static tz_status push_round(repair *r, int32_t *left)
+{
+    tz_fill *f = r->f;
+    const tz_status s = tz_fill_blocks(f->ctx, f->live.n, find_pushes, r, NULL);
+    *left = 0;
+    for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
+        const int32_t i = f->live.v[j];
+        if (r->push[i].n == 0)
+            continue;
+        *left += r->push[i].depth > slack_of(f, i);
+        move_body(r, i);
+    }
+    if (s == TZ_OK)
+        wake_moved(r);
+    return s;
+}
+
+static tz_status push_rounds(repair *r, int32_t rounds)
+{
+    tz_status s = TZ_OK;
+    int32_t left = 1;
+    for (int32_t k = 0; k < rounds && left > 0 && s == TZ_OK; k++) {
+        if (k % AGAIN == 0) {
+            s = find_near(r);
+            wake_every(r);
+        }
+        if (s == TZ_OK)
+            s = tz_ctx_cancelled(r->f->ctx) ? TZ_CANCELLED : push_round(r, &left);
+    }
+    return s;
+}
+
+/* ---- shrinking, leaving ------------------------------------------------------------- */
+
+static void shrink_body(repair *r, int32_t i, double by)
+{
+    tz_fill *f = r->f;
+    const tz_fill_body *b = &f->body.v[i];
+    for (int32_t k = b->first; k < b->first + b->n; k++) {
+        f->c[k] *= by;
+        f->at[k].x = r->pose[i].at.x + by * (f->at[k].x - r->pose[i].at.x);
+        f->at[k].y = r->pose[i].at.y + by * (f->at[k].y - r->pose[i].at.y);
+    }
+    find_pose(f, i, &r->pose[i]);
+}
+
+static tz_status shrink_rest(repair *r)
+{
+    tz_fill *f = r->f;
+    double *shrunk = NULL;
+    int32_t left = 1;
+    tz_status s = tz_alloc(f->ctx, &shrunk, (size_t)f->body.n, sizeof *shrunk);
+    for (int32_t i = 0; i < f->body.n && s == TZ_OK; i++)
+        shrunk[i] = 1;
+    if (s == TZ_OK)
+        s = find_near(r);
+    for (int k = 0; k < SHRINKS && left > 0 && s == TZ_OK; k++) {
+        wake_every(r);
+        s = push_round(r, &left);
+        for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
+            const int32_t i = f->live.v[j];
+            const push *p = &r->push[i];
+            if (p->depth <= slack_of(f, i) || shrunk[i] <= LEAST)
+                continue;
+            const double by = fmax(1 - 0.5 * p->depth / r->pose[i].reach, 0.96);
+            f->shrunk += shrunk[i] == 1;
+            shrunk[i] *= by;
+            shrink_body(r, i, by);
+        }
+    }
+    tz_free(f->ctx, shrunk);
+    return s;
+}
+
+/* Of two that overlap deeply the smaller leaves, worst first. */
+static tz_status drop_rest(repair *r)
+{
+    tz_fill *f = r->f;
+    bool any = false;
+    wake_every(r);
+    tz_status s = tz_fill_blocks(f->ctx, f->live.n, find_pushes, r, NULL);
+    for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
+        const int32_t i = f->live.v[j];
+        const double limit = 16 * slack_of(f, i);
+        if (r->push[i].depth <= limit)
+            continue;
+        bool worst = true;
+        for (int32_t k = r->start[i]; k < r->start[i + 1] && worst; k++) {
+            const int32_t b = r->near[k];
+            const double d = r->push[b].depth;
+            worst = f->body.v[b].gone || d < r->push[i].depth ||
+                    (d == r->push[i].depth && b > i) || f->body.v[b].fixed;
+        }
+        if (!worst)
+            continue;
+        f->body.v[i].gone = true;
+        f->dropped++;
+        any = true;
+    }
+    f->stale = f->stale || any;
+    return s == TZ_OK ? tz_fill_lists(f) : s;
+}
+
+/* ---- empty places ------------------------------------------------------------------- */
+
+/* Whether a body that has just come overlaps what lies about a sample, or the border. */
+static bool fits(repair *r, int32_t i, int32_t sample, const tz_power_cells *c)
+{
+    tz_fill *f = r->f;
+    const double slack = slack_of(f, i);
+    push p = {0, 0, 0, 0, 0};
+    tz_vec2 at, out;
+    find_pose(f, i, &r->pose[i]);
+    push_inside(r, i, &p);
+    if (p.depth > slack)
+        return false;
+    for (int32_t k = -1; k < c->count[sample]; k++) {
+        const int32_t q = k < 0 ? sample : c->neighbour[c->start[sample] + k];
+        for (int32_t e = -1; e < c->count[q]; e++) {
+            const int32_t t = e < 0 ? q : c->neighbour[c->start[q] + e];
+            const int32_t b = f->owner[t];
+            if (f->body.v[b].gone || b == i || !are_near(r, i, b))
+                continue;
+            if (deepest(r, i, b, &at, &out) > slack ||
+                deepest(r, b, i, &at, &out) > slack)
+                return false;
+        }
+    }
+    return true;
+}
+
+/* Things of the mix whose largest disc fits, the largest first. */
+static tz_status fill_gap(repair *r, const tz_fill_gap *g, const tz_power_cells *c)
+{
+    tz_fill *f = r->f;
+    const int32_t n = f->n, bodies = f->body.n;
+    int32_t best = -1;
+    double size = 0, most = 0;
+    const double scale = f->c[g->sample];
+    for (int32_t k = 0; k < f->entries; k++) {
+        const tz_fill_model *m = &f->model.v[k];
+        const double hold = 1.1 * g->radius / (m->radius[0] * scale);
+        if (!(m->share > 0) || hold < m->size[0])
+            continue;
+        const double with = fmin(hold, m->size[1]);
+        if (m->radius[0] * with > most)
+            most = m->radius[0] * with, best = k, size = with;
+    }
+    if (best < 0)
+        return TZ_OK;
+    const tz_fill_model *m = &f->model.v[best];
+    const tz_vec2 t = tz_fill_turn(f, g->sample);
+    tz_rng rng = tz_rng_make(f->seed, tz_rng_stream(STREAM_GAP, (uint64_t)f->made, 0));
+    const double turn = m->turn + m->jitter * (2 * tz_rng_unit(&rng) - 1);
+    const double angle = atan2(t.y, t.x), a = angle + turn;
+    const tz_vec2 d = {scale * size * m->rest[0].x, scale * size * m->rest[0].y};
+    const tz_vec3 at = {g->at.x - cos(a) * d.x + sin(a) * d.y,
+                        g->at.y - sin(a) * d.x - cos(a) * d.y, 0};
+    int32_t i;
+    tz_status s = tz_realloc(f->ctx, &r->pose, (size_t)bodies + 1, sizeof *r->pose);
+    if (s == TZ_OK)
+        s = tz_fill_add_body(f, best, at, angle, scale, size, turn, &i);
+    if (s != TZ_OK)
+        return s;
+    for (int32_t k = n; k < f->n; k++)
+        f->third[k] = 0, f->rho[k] = f->rho[g->sample];
+    if (fits(r, i, g->sample, c)) {
+        f->inserted++;
+    } else {
+        f->body.n = bodies, f->n = n;
+    }
+    return s;
+}
+
+static tz_status fill_gaps(repair *r)
+{
+    tz_fill *f = r->f;
+    tz_fill_gap *gap = NULL;
+    int32_t n = 0;
+    double least = HUGE_VAL;
+    for (int32_t k = 0; k < f->entries; k++)
+        if (f->model.v[k].share > 0)
+            least = fmin(least, f->model.v[k].radius[0] * f->model.v[k].size[0]);
+    f->fresh = false;
+    tz_status s = tz_fill_diagram(f);
+    if (s == TZ_OK)
+        s = tz_fill_gaps(f, least / 2, f->live.n, &gap, &n);
+    const tz_power_cells c = tz_power_get(f->power);
+    for (int32_t k = 0; k < n && s == TZ_OK; k++)
+        s = fill_gap(r, &gap[k], &c);
+    tz_free(f->ctx, gap);
+    return s;
+}
+
 tz_status tz_fill_repair(tz_fill *f)
 {
-    (void)f;
-    return TZ_OK;
+    repair r = {.f = f};
+    tz_status s = tz_fill_lists(f);
+    const size_t n = (size_t)f->body.n;
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &r.pose, n, sizeof *r.pose);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(f->ctx, &r.push, n, sizeof *r.push);
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &r.awake, n, sizeof *r.awake);
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &r.start, n + 1, sizeof *r.start);
+    for (int32_t i = 0; i < f->body.n && s == TZ_OK; i++)
+        if (!f->body.v[i].gone)
+            find_pose(f, i, &r.pose[i]);
+    if (s == TZ_OK)
+        s = push_rounds(&r, ROUNDS);
+    if (s == TZ_OK)
+        s = shrink_rest(&r);
+    if (s == TZ_OK)
+        s = drop_rest(&r);
+    if (s == TZ_OK && f->job.count == 0 && f->live.n > 0)
+        s = fill_gaps(&r);
+    f->fresh = false;
+    tz_free(f->ctx, r.pose), tz_free(f->ctx, r.push), tz_free(f->ctx, r.awake);
+    tz_free(f->ctx, r.start), tz_free(f->ctx, r.near);
+    return s;
 }

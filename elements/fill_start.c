@@ -202,7 +202,7 @@ static tz_status insert_rest(tz_fill *f, const draw *d, int32_t from, int32_t co
         if (s == TZ_OK)
             s = tz_fill_diagram(f);
         if (s == TZ_OK)
-            s = tz_fill_gaps(f, 0, batch, &gap, &n);
+            s = tz_fill_gaps(f, 0.25 * f->unit, batch, &gap, &n);
         for (int32_t k = 0; k < n && from < count && s == TZ_OK; k++) {
             int32_t out;
             s = add_drawn(f, &d[from++], gap[k].at, gap[k].sample, &out);

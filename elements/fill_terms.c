@@ -105,12 +105,13 @@ static void look_up(tz_fill *f, int32_t s)
     const double r = f->c[s] * f->radius[s];
     const double sure = CONFIDENT * r * r / (f->unit * f->unit);
     f->confident[s] = f->said_c[s] = f->said_rho[s] = 0;
-    if (!d)
+    if (!f->any_direction && !f->any_size && !f->any_density)
         return;
+    const bool any[3] = {f->any_direction, f->any_size, f->any_density};
     const tz_vec3 at = tz_domain_wrap(&f->domain, f->at[s]);
     const int64_t i = tz_raster_at(&d->raster, at);
     for (int what = 0; what < 3; what++) {
-        const int32_t n = d->nearest[what][i];
+        const int32_t n = any[what] ? d->nearest[what][i] : -1;
         if (n < 0)
             continue;
         const tz_element_field_cell *c = &d->cell[n];
@@ -119,7 +120,7 @@ static void look_up(tz_fill *f, int32_t s)
             const tz_vec3 q = {(n % g->width + 0.5) * g->size.x / g->width,
                                (n / g->width + 0.5) * g->size.y / g->height, at.z};
             const tz_vec3 v = tz_fill_vector(f, at, q);
-            if (hypot(v.x, v.y) > r)
+            if (v.x * v.x + v.y * v.y > r * r)
                 continue;
         }
         const double w = sure * (double)c->weight;
@@ -406,7 +407,7 @@ static void weigh_turn(void *arg, int32_t from, int32_t to, double sums[4])
                     d2 += (u[k] - v[k]) * (u[k] - v[k]);
                 }
                 if (t->weights)
-                    *w = a2 * l->wc * fmax(dot, 0) + l->wr;
+                    *w = a2 * l->wc * (dot > 0 ? dot : 0) + l->wr;
                 for (int k = c * per; k < (c + 1) * per; k++)
                     g[k] += *w * (u[k] - v[k]);
                 sums[1] += half * (*w - l->wr) * d2;

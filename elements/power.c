@@ -48,6 +48,8 @@ typedef struct scratch {
     b;
     TZ_ARRAY(int32_t)
     near;
+    TZ_ARRAY(int32_t)
+    seen; /* a site: the last cell that it has cut as a known neighbour */
 } scratch;
 
 struct tz_power {
@@ -112,6 +114,7 @@ void tz_power_free(tz_power *p)
         tz_array_free(ctx, &p->work[k].a);
         tz_array_free(ctx, &p->work[k].b);
         tz_array_free(ctx, &p->work[k].near);
+        tz_array_free(ctx, &p->work[k].seen);
     }
     for (int32_t k = 0; k < p->block_cap; k++)
         tz_array_free(ctx, &p->blocks[k].v);
@@ -153,6 +156,14 @@ static tz_status reserve(tz_power *p, int32_t n)
             return s;
         p->cap = (int32_t)cap;
     }
+    for (int k = 0; k < p->workers && s == TZ_OK; k++) {
+        s = tz_array_reserve(p->ctx, &p->work[k].seen, n);
+        p->work[k].seen.n = n;
+        for (int32_t i = 0; i < n && s == TZ_OK; i++)
+            p->work[k].seen.v[i] = -1;
+    }
+    if (s != TZ_OK)
+        return s;
     for (int32_t i = p->n; i < n; i++) {
         p->start[i] = p->count[i] = p->mark[i] = 0;
         p->area[i] = p->gap[i] = 0;
@@ -265,7 +276,8 @@ static void measure_reach(cell *c)
     double far = 0;
     for (int32_t i = 0; i < c->k->a.n; i++) {
         const tz_power_corner *v = &c->k->a.v[i];
-        far = fmax(far, v->x * v->x + v->y * v->y);
+        const double d = v->x * v->x + v->y * v->y;
+        far = d > far ? d : far;
     }
     c->far2 = far;
     c->reach = sqrt(far);
@@ -365,7 +377,7 @@ static tz_status cut_row(cell *c, const level *v, int32_t x0, int32_t x1, int32_
         const int32_t at = j * v->nx + x, end = v->start[at + 1];
         for (int32_t k = v->start[at]; k < end && s == TZ_OK; k++) {
             const item *q = &v->item[k];
-            if (q->site == c->site)
+            if (q->site == c->site || (!d->torus && c->k->seen.v[q->site] == c->site))
                 continue;
             const double dx = q->x + sx - c->at.x, dy = q->y + sy - c->at.y;
             const double d2 = dx * dx + dy * dy, limit = d2 + c->w - q->w;
@@ -426,6 +438,7 @@ static tz_status cut_known(cell *c)
         const tz_vec3 v = tz_domain_vector(&p->domain, (tz_vec3){c->at.x, c->at.y, 0},
                                            (tz_vec3){p->at[q].x, p->at[q].y, 0});
         s = cut(c, v.x, v.y, p->weight[q], q);
+        c->k->seen.v[q] = c->site;
     }
     return s;
 }
@@ -558,14 +571,17 @@ static moment moments(const cell *c)
     return m;
 }
 
+/* Corners on the domain's border lie at the end of what is empty, not in its middle. */
 static void measure_gap(const cell *c, double *gap, tz_vec2 *at)
 {
+    const int32_t n = c->k->a.n;
     *gap = 0;
     *at = (tz_vec2){0, 0};
-    for (int32_t k = 0; k < c->k->a.n; k++) {
+    for (int32_t k = 0; k < n; k++) {
         const tz_power_corner *v = &c->k->a.v[k];
         const double g = v->x * v->x + v->y * v->y - c->w;
-        if (g > *gap && (!c->p->domain.region || depth_at(c, (tz_vec2){v->x, v->y}) >= 0))
+        if (g > *gap && v->site >= 0 && c->k->a.v[k ? k - 1 : n - 1].site >= 0 &&
+            (!c->p->domain.region || depth_at(c, (tz_vec2){v->x, v->y}) >= 0))
             *gap = g, *at = (tz_vec2){v->x, v->y};
     }
 }
@@ -757,6 +773,8 @@ int32_t tz_power_cell(tz_power *p, int32_t i, tz_power_corner *out, int32_t most
         return 0;
     const tz_vec3 q = tz_domain_wrap(&p->domain, p->at[i]);
     cell c = {.p = p, .k = k, .at = {q.x, q.y}, .w = p->weight[i], .site = i};
+    for (int32_t j = 0; j < p->n; j++)
+        k->seen.v[j] = -1;
     if (clip_cell(&c) != TZ_OK || c.gone)
         return 0;
     for (int32_t j = 0; j < k->a.n && j < most; j++)

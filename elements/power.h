@@ -26,9 +26,8 @@ typedef struct tz_power_cells {
     int32_t n;
     const double *area;    /**< inside the domain, user units squared, 0 = hidden */
     const tz_vec2 *centre; /**< of mass, from the site; 0, 0 where the area is 0 */
-    const double *gap; /**< greatest power of a corner inside the domain (with a region:
-                                of one not outside): a disc of radius sqrt(gap) about it
-                                meets no site's disc at right angles or deeper */
+    const double *gap;     /**< greatest power of a corner that three cells share, inside
+                                the domain; 0 = none */
     const tz_vec2 *gap_at; /**< that corner, from the site */
     const int32_t *start,
         *neighbour; /**< of site i: neighbour[start[i] .. start[i] + count[i] - 1],
