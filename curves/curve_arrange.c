@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "curves/curve_edit.h"
+#include "curves/finish.h"
 #include "curves/reconstruct.h"
 
 /* ---- parameters -----------------------------------------------------------------------
@@ -57,9 +58,10 @@ const tz_param_table tz_curve_arrange_param_table = {
     sizeof(tz_curve_arrange_params)};
 
 enum {
-    WINDOW = 3,            /* exemplars a side that likeness is measured on, at most */
-    MOST_SAMPLES = 100000, /* that AUTO optimises; more are only quilted */
-    GIVEN_LEVELS = 1       /* the finest ones, which a quilt is optimised on */
+    WINDOW = 3,           /* exemplars a side that likeness is measured on, at most */
+    MOST_SAMPLES = 30000, /* that AUTO optimises; more are only quilted */
+    MOST_NEIGHBOURS = 64, /* of a sample, likewise */
+    GIVEN_LEVELS = 1      /* the finest ones, which a quilt is optimised on */
 };
 #define MOST_PIECES 2e7
 #define MARGIN      0.02 /* by which an optimised layout must be more alike */
@@ -132,15 +134,27 @@ static tz_status check(const work *w)
     return TZ_OK;
 }
 
-/** Whether the optimiser's work stays within reason. */
-static bool worth_optimising(const work *w)
+/** Whether the optimiser's work stays within reason: few enough samples, and not so many
+ * to a neighbourhood that matching would see only the innermost of them. */
+static tz_status worth_optimising(work *w, bool *worth)
 {
     const tz_curve_set *e = w->job->exemplar;
     const tz_sample_levels l = tz_sample_levels_default(e);
-    const double spacing = l.spacing[l.levels - 1] * w->params.synthesis.scale,
-                 area = tz_domain_area(w->job->domain) /
-                        (e->domain.size.x * e->domain.size.y);
-    return length_of(e) * area / spacing <= MOST_SAMPLES;
+    const double scale = w->params.synthesis.scale,
+                 area = e->domain.size.x * e->domain.size.y,
+                 spacing = l.spacing[l.levels - 1] * scale,
+                 radius = l.radius[l.levels - 1] * scale;
+    tz_sample_graph g = {0};
+    *worth = false;
+    if (length_of(e) / spacing > MOST_SAMPLES || e->piece.n > MOST_SAMPLES)
+        return TZ_OK;
+    const tz_status s = tz_sample_graph_make(w->ctx, e, spacing, radius, &g);
+    if (s != TZ_OK)
+        return s;
+    *worth = g.sample.n * (tz_domain_area(w->job->domain) / area) <= MOST_SAMPLES &&
+             g.sample.n * (TZ_PI * radius * radius / area) <= MOST_NEIGHBOURS;
+    tz_sample_graph_deinit(&g);
+    return TZ_OK;
 }
 
 /* ---- quilting -------------------------------------------------------------------------
@@ -158,6 +172,8 @@ static tz_status quilt(work *w)
     tz_curve_quilt_report r = {0};
     const double start = seconds();
     const tz_status s = tz_curve_quilt(w->ctx, &q, &w->quilted.set, &r);
+    if (s == TZ_OK)
+        tz_curve_wrap(&w->quilted.set);
     w->report.quilt = seconds() - start;
     w->report.patches = r.patches;
     w->report.crossings = r.crossings;
@@ -228,6 +244,8 @@ static tz_status optimise(work *w, const tz_curve_set *start)
         s = draw(w, &g, &exemplar, &w->optimised.set);
     else if (s == TZ_OK)
         s = tz_curve_set_like(w->ctx, j->exemplar, j->domain, &w->optimised.set);
+    if (s == TZ_OK)
+        tz_curve_wrap(&w->optimised.set);
     if (s == TZ_OK && elements.element.n > 0) {
         tz_element_set_deinit(&w->optimised.set.element);
         w->optimised.set.element = elements;
@@ -245,9 +263,13 @@ static tz_status optimise(work *w, const tz_curve_set *start)
 
 static tz_status finish(work *w, candidate *c)
 {
-    (void)w;
-    (void)c;
-    return TZ_OK;
+    const double start = seconds();
+    const tz_status s =
+        w->params.finish && c->set.path.n > 0
+            ? tz_curve_finish(w->ctx, w->job->exemplar, w->job->given, &c->set, NULL)
+            : TZ_OK;
+    w->report.finish += seconds() - start;
+    return s;
 }
 
 tz_status tz_curve_arrange_judge(tz_ctx *ctx, const tz_curve_set *exemplar,
@@ -300,9 +322,9 @@ static tz_status judge(work *w, candidate *c)
 static tz_status run(work *w)
 {
     const int32_t method = w->params.method;
-    bool both = method == TZ_CURVES_AUTO && worth_optimising(w);
-    tz_status s = TZ_OK;
-    if (method != TZ_CURVES_OPTIMISE)
+    bool both = false;
+    tz_status s = method == TZ_CURVES_AUTO ? worth_optimising(w, &both) : TZ_OK;
+    if (s == TZ_OK && method != TZ_CURVES_OPTIMISE)
         s = quilt(w);
     if (s == TZ_OK && method != TZ_CURVES_OPTIMISE)
         s = finish(w, &w->quilted);

@@ -355,18 +355,15 @@ static tz_status put_moved(const welder *w, int32_t i, int32_t *map, tz_curve_se
     }
     if (s != TZ_OK)
         return s;
-    home =
-        tz_vec2_sub(to->node.v[out.from], p); /* on a torus: where the node really is */
+    home = tz_vec2_sub(to->node.v[out.from], p); /* on a torus: where the node is */
+    out.a = tz_vec2_add(out.a, tz_vec2_add(home, tz_vec2_sub(p, c.p[0])));
+    out.b = tz_vec2_add(out.b, tz_vec2_add(home, tz_vec2_sub(r, c.p[3])));
     if (q->straight) {
-        const tz_bezier line = tz_bezier_line(p, r);
+        const tz_bezier line =
+            tz_bezier_line(to->node.v[out.from], tz_curve_piece_end(to, &out));
         out.a = line.p[1];
         out.b = line.p[2];
-    } else {
-        out.a = tz_vec2_add(out.a, tz_vec2_sub(p, c.p[0]));
-        out.b = tz_vec2_add(out.b, tz_vec2_sub(r, c.p[3]));
     }
-    out.a = tz_vec2_add(out.a, home);
-    out.b = tz_vec2_add(out.b, home);
     if (out.from == out.to && q->straight && hypot(p.x - r.x, p.y - r.y) == 0)
         return TZ_OK; /* a crumb, gone with the weld */
     return tz_curve_add_piece(to, &out, &carry);
@@ -396,15 +393,15 @@ static tz_status put_cut(const welder *w, int32_t i, const cut *k, int32_t n,
             break;
         out.from = map[from];
         out.to = map[end];
-        if (out.straight) {
-            const tz_bezier line = tz_bezier_line(part.p[0], part.p[3]);
-            out.a = line.p[1];
-            out.b = line.p[2];
-        }
-        const tz_vec2 home = tz_vec2_sub(to->node.v[out.from], part.p[0]);
-        if (w->s->domain.torus) {
+        const tz_vec2 at = to->node.v[out.from], home = tz_vec2_sub(at, part.p[0]);
+        if (w->s->domain.torus) { /* where the node really is */
             out.a = tz_vec2_add(out.a, home);
             out.b = tz_vec2_add(out.b, home);
+        }
+        if (out.straight) { /* its thirds to the bit */
+            const tz_bezier line = tz_bezier_line(at, tz_curve_piece_end(to, &out));
+            out.a = line.p[1];
+            out.b = line.p[2];
         }
         s = tz_curve_add_piece(to, &out, &some);
         from = end;
