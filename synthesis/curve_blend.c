@@ -14,8 +14,8 @@
 
 enum { FADE = 3, TAPS = 9 };
 
-static const int8_t tap[TAPS][2] = {{0, 0},  {-3, 0}, {3, 0},   {0, -3}, {0, 3},
-                                    {-2, 2}, {2, 2},  {-2, -2}, {2, -2}};
+static const int32_t tap[TAPS][2] = {{0, 0},  {-3, 0}, {3, 0},   {0, -3}, {0, 3},
+                                     {-2, 2}, {2, 2},  {-2, -2}, {2, -2}};
 
 /* ---- maps ------------------------------------------------------------------------------ */
 
@@ -164,25 +164,25 @@ tz_status tz_strip_coarse(tz_ctx *ctx, const tz_strips *s, tz_rect r, tz_strip_w
                            fine.ny * TZ_FINE};
     tz_correction_span(g, inner, TZ_COARSE, TZ_COARSE_STEPS + 1);
     g->level = 0;
-    const tz_status st = prepare(ctx, s, 0, w, &w->corrects);
+    bool any = false;
+    const tz_status st = prepare(ctx, s, 0, w, &any);
     if (st != TZ_OK)
         return st;
     memset(g->c, 0, (size_t)g->nx * (size_t)g->ny * sizeof(tz_f4));
-    if (w->corrects)
+    if (any) /* else nothing would come of it */
         tz_correction_iterate(g, 4, s->decay, TZ_COARSE_STEPS);
     return TZ_OK;
 }
 
 static tz_status solve_fine(tz_ctx *ctx, const tz_strips *s, tz_rect tile,
-                            tz_strip_work *w, bool *corrects)
+                            tz_strip_work *w)
 {
     tz_correction *g = &w->grid[1];
     bool any = false;
     tz_correction_span(g, tile, TZ_FINE, TZ_FINE_STEPS + 1);
     g->level = 1;
     const tz_status st = prepare(ctx, s, 1, w, &any);
-    *corrects = any || w->corrects;
-    if (st != TZ_OK || !*corrects)
+    if (st != TZ_OK)
         return st;
     tz_f4 *c = (tz_f4 *)g->c;
     for (int32_t j = 0; j < g->ny; j++)
@@ -325,7 +325,6 @@ typedef struct tile_job {
     tz_strip_work *w;
     tz_rect tile, rect;
     tz_image *out;
-    bool corrects;
 } tile_job;
 
 /* Colour that a map shows at pixel (x, y) of the canvas. */
@@ -334,9 +333,8 @@ static tz_f4 shade(const tile_job *b, const tz_strip_map *m, tz_f4 colour, int32
 {
     if (b->s->kind == TZ_MAP_NORMAL)
         colour = turn_normal(m, colour);
-    if (b->corrects)
-        colour += correction_at(b->s, &b->w->grid[1], b->w->map[1], m, x + 0.5, y + 0.5);
-    return colour;
+    return colour +
+           correction_at(b->s, &b->w->grid[1], b->w->map[1], m, x + 0.5, y + 0.5);
 }
 
 /* Mix of what lies to all sides of a seam. */
@@ -346,17 +344,20 @@ static tz_f4 mix(const tile_job *b, const tz_strip_map *m, tz_f4 own, int32_t x,
     const tz_strips *s = b->s;
     const double near = tolerance_of(s, FADE);
     tz_f4 sum = {0};
-    float there = 0;
+    float there = 0, strange = 0;
     for (int k = 0; k < TAPS; k++) {
         const int dx = tap[k][0], dy = tap[k][1];
         const tz_strip_map *q = m + (int64_t)dy * SIDE + dx;
-        if (q->plane < 0)
+        if (q->plane < 0) {
+            strange += m->plane >= 0;
             continue;
+        }
         there += 1;
         if (k == 0 || (m->plane >= 0 && continues(m, q, dx, dy, near))) {
             sum += own;
             continue;
         }
+        strange += 1;
         tz_strip_map here = *q; /* moved to this pixel */
         const tz_vec2 at = shows_at(q, -dx, -dy);
         float texel[4];
@@ -366,6 +367,8 @@ static tz_f4 mix(const tile_job *b, const tz_strip_map *m, tz_f4 own, int32_t x,
         sample(s, q->plane, &at.x, &at.y, 1, texel, &v);
         sum += shade(b, &here, v, x, y);
     }
+    if (strange == 0) /* no seam so near */
+        return own;
     *share = there / TAPS;
     return there > 0 ? sum * (1 / there) : sum;
 }
@@ -425,10 +428,10 @@ static void put_row(const tile_job *b, int32_t y, bool seams)
 tz_status tz_strip_tile(tz_ctx *ctx, const tz_strips *s, tz_rect tile, tz_rect rect,
                         tz_image *out, tz_strip_work *w)
 {
-    tile_job b = {s, w, tile, rect, out, false};
+    const tile_job b = {s, w, tile, rect, out};
     tz_status st = work_init(ctx, w);
     if (st == TZ_OK)
-        st = solve_fine(ctx, s, tile, w, &b.corrects);
+        st = solve_fine(ctx, s, tile, w);
     /* always whole rows of SIDE, so that neighbours are found alike */
     if (st == TZ_OK)
         st = tz_strip_maps(ctx, s, (int64_t)tile.x - FADE, (int64_t)tile.y - FADE, 1,

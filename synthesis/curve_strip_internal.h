@@ -53,7 +53,6 @@ typedef struct tz_strip_work {
     tz_strip_map *map[3]; /**< of the coarse grid, the fine one, and pixels */
     size_t maps[3];       /**< room */
     tz_correction grid[2];
-    bool corrects; /**< some seam is to be corrected */
     double *u, *v;
     tz_f4 *row, *low; /**< samples of a row */
     float *texel;
