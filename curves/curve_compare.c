@@ -239,15 +239,15 @@ static tz_status fill_standard(tz_curve_standard *k)
         s = tz_linework_field_init(k->ctx, k->set, &scale, &k->field);
     if (s != TZ_OK)
         return s;
-    if (!(k->field.length > 0))
-        return tz_fail(k->ctx, TZ_INVALID,
-                       "likeness: no line of the exemplar lies in its domain");
     s = tz_linework_raster_init(&k->field, &k->raster);
     if (s != TZ_OK)
         return s;
     const tz_vec3 size = k->field.domain.size;
     k->widest = (tz_vec2){size.x / 2, size.y / 2};
     look(k, &k->field, &k->raster, tz_linework_whole(&k->field), &k->whole);
+    if (!(k->whole.s.length > 0))
+        return tz_fail(k->ctx, TZ_INVALID,
+                       "likeness: no line of the exemplar lies in its domain");
     k->nodes = fmax(rate(&k->whole.s, sum_of(k->whole.s.nodes, TZ_CURVE_DEGREES)),
                     1 / (20 * scale.unit));
     s = compare_parts(k);
@@ -343,19 +343,23 @@ tz_status tz_curve_standard_compare(const tz_curve_standard *k,
 {
     tz_linework_field f = {0};
     tz_linework_raster r = {0};
-    tz_curve_likeness l = {.repeats_own = k->repeats};
+    tz_curve_likeness l;
     tz_ctx *ctx = k->ctx;
     view v;
+    memset(&l, 0, sizeof l);
+    l.repeats_own = k->repeats;
     tz_status s = tz_curve_set_check(ctx, layout, "layout");
     if (s == TZ_OK)
         s = tz_linework_field_init(ctx, layout, &k->field.scale, &f);
-    if (s == TZ_OK && !(f.length > 0))
-        s = tz_fail(ctx, TZ_INVALID, "likeness: the layout has no lines in its domain");
     if (s == TZ_OK)
         s = tz_linework_raster_init(&f, &r);
     if (s != TZ_OK)
         goto done;
     look(k, &f, &r, tz_linework_whole(&f), &v);
+    if (!(v.s.length > 0)) {
+        s = tz_fail(ctx, TZ_INVALID, "likeness: the layout has no lines in its domain");
+        goto done;
+    }
     differences d = compare_views(k, &v, &k->whole);
     s = tz_linework_patches(&f, &r, v.w, &k->field, &k->raster, k->whole.w,
                             &d.of[PATCHES]);

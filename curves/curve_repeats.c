@@ -9,7 +9,7 @@
 #include "curves/curve_statistics.h"
 
 #define STEP      (1.0 / 24) /* of the run: between beginnings in the tree */
-#define SAME      0.01       /* of the run: what is apart more is not the same */
+#define SAME      0.004      /* of the run: what is apart more is not the same */
 #define STRAIGHT  0.03       /* of the run: what bends less is straight */
 #define ELSEWHERE 0.25       /* of the run: what is moved less is itself */
 enum {
@@ -138,9 +138,10 @@ static tz_status add_runs(finder *k, int32_t path, double step)
     const double room = length_of(k, path) - k->run;
     const double n = floor(room / step);
     tz_status s = TZ_OK;
-    for (double i = 0; i <= n && s == TZ_OK; i++)
+    for (double i = 0; i <= n + 1 && s == TZ_OK; i++)
         for (int back = 0; back < 2 && s == TZ_OK; back++) {
-            const run r = {path, (float)(i * step + (back ? k->run : 0)), back};
+            const run r = {path, (float)(fmin(i * step, room) + (back ? k->run : 0)),
+                           back};
             float shape[DIM];
             if (is_straight(k, &r))
                 continue;
@@ -203,8 +204,8 @@ static tz_status ask(tz_ctx *ctx, void *arg, int64_t i, int worker)
         const run *o = &k->runs.v[id[j]];
         if (!is_elsewhere(k, r, o))
             continue;
-        for (int m = -3; m <= 3 && !k->found[i]; m++)
-            k->found[i] = is_same(k, r, o, m * STEP / 6);
+        for (int m = -6; m <= 6 && !k->found[i]; m++)
+            k->found[i] = is_same(k, r, o, m * STEP / 12);
     }
     return TZ_OK;
 }

@@ -433,8 +433,6 @@ tz_status tz_linework_field_init(tz_ctx *ctx, const tz_curve_set *s,
     st = add_edges(&b);
     if (st == TZ_OK)
         st = add_paths(&b, length);
-    for (int32_t i = 0; i < f->chord.n; i++)
-        f->length += f->chord.v[i].inside ? (double)f->chord.v[i].length : 0;
 done:
     tz_free(ctx, b.degree);
     tz_free(ctx, b.first);

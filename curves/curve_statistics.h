@@ -67,7 +67,6 @@ typedef struct tz_linework_field {
     tz_ctx *ctx;
     tz_domain domain;
     tz_linework_scale scale;
-    double length; /**< inside of the domain */
     TZ_ARRAY(tz_linework_chord)
     chord;
     TZ_ARRAY(tz_linework_edge)
@@ -151,7 +150,7 @@ tz_status tz_linework_patches(const tz_linework_field *fa, const tz_linework_ras
 /* ---- repeats ------------------------------------------------------------------------ */
 
 /** Share of the length of lines that occurs a second time elsewhere, only moved: in a run
- * at least `run` long of one path, to 1 % of that. Straight runs do not count: any line
+ * at least `run` long of one path, to 0.4 % of that. Straight runs do not count: any line
  * repeats those. Estimated from at most 3,000 runs. */
 tz_status tz_linework_repeats(tz_ctx *ctx, const tz_curve_set *s, double run,
                               double *share);
