@@ -5,13 +5,19 @@
 #include <string.h>
 
 #include "analysis/quality.h"
+#include "cli/compare_curves.h"
 #include "cli/compare_elements.h"
+#include "cli/elements.h"
 #include "cli/exemplars.h"
 #include "cli/figures.h"
 #include "cli/names.h"
 #include "synthesis/expand.h"
 
+/* What two drawings are compared as. */
+enum { AS_AUTO, AS_ELEMENTS, AS_CURVES };
+
 typedef struct compare_params {
+    int32_t as;
     char heat[TZ_PARAM_STRING_SIZE];
 } compare_params;
 
@@ -19,13 +25,18 @@ typedef struct values {
     tz_common_params common;
     compare_params own;
     tz_quality_params quality;
+    tz_curve_input_params curves;
 } values;
 
 static const tz_param own_rows[] = {
+    {"as", TZ_PARAM_ENUM, offsetof(compare_params, as), 0, 0, "auto", "",
+     "auto|elements|curves",
+     "What two drawings are compared as; auto = curves if one is a document of curves, "
+     "else elements."},
     {"heat", TZ_PARAM_STRING, offsetof(compare_params, heat), 0, 0, "", "FILE", NULL,
      "Also writes a map of where the output is worse: white = worst."},
 };
-static const tz_param_table own_table = {"heat", "What else to write.", own_rows, 1,
+static const tz_param_table own_table = {"heat", "What else to write.", own_rows, 2,
                                          sizeof(compare_params)};
 
 /* One figure: name, value, cost in points or NAN, what it means. */
@@ -166,20 +177,40 @@ done:
     return s;
 }
 
+static tz_status is_curves(tz_cli *cli, int32_t as, bool *curves)
+{
+    *curves = as == AS_CURVES;
+    tz_status s = TZ_OK;
+    for (int i = 0; i < 2 && as == AS_AUTO && s == TZ_OK; i++) {
+        char kind[32] = "";
+        s = tz_document_kind(cli, cli->operand[i], kind);
+        *curves |= strcmp(kind, "curves") == 0;
+    }
+    return s;
+}
+
 static tz_status run(tz_cli *cli)
 {
+    const values *v = cli->values;
+    bool curves = false;
     if (tz_path_is_svg(cli->operand[0]) != tz_path_is_svg(cli->operand[1]))
         return tz_fail(cli->ctx, TZ_INVALID,
                        "%s, %s: one is a drawing and one a picture; compare two SVG "
-                       "documents of elements, or two pictures",
+                       "documents of elements or of curves, or two pictures",
                        cli->operand[0], cli->operand[1]);
-    return tz_path_is_svg(cli->operand[0]) ? tz_compare_elements(cli) : run_pixels(cli);
+    if (!tz_path_is_svg(cli->operand[0]))
+        return run_pixels(cli);
+    const tz_status s = is_curves(cli, v->own.as, &curves);
+    if (s != TZ_OK)
+        return s;
+    return curves ? tz_compare_curves(cli, &v->curves) : tz_compare_elements(cli);
 }
 
 static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&own_table, offsetof(values, own), false},
     {&tz_quality_param_table, offsetof(values, quality), false},
+    {&tz_curve_input_param_table, offsetof(values, curves), false},
 };
 static const tz_example examples[] = {
     {"How well does a texture continue its photo?",
@@ -188,6 +219,8 @@ static const tz_example examples[] = {
      "terrazzo compare gravel.png gravel_7.exr --json --heat weak.png"},
     {"How well does a layout of elements continue its drawing?",
      "terrazzo compare leaves.svg leaves_big.svg"},
+    {"How well does a layout of curves continue its drawing?",
+     "terrazzo compare streets.svg streets_big.svg --as curves"},
 };
 const tz_command tz_compare_command = {
     .name = "compare",
@@ -200,7 +233,11 @@ const tz_command tz_compare_command = {
         "Of two SVG documents the elements are compared: their distances, "
         "neighbourhoods, "
         "classes and directions, each over the exemplar's own halves' likewise; density, "
-        "overlaps and the widest hole beside the exemplar's.",
+        "overlaps and the widest hole beside the exemplar's.\n\n"
+        "Of two documents of curves the lines are compared: nodes and ends, ways between "
+        "them, turning, directions, density, cells, patches, each over the differences "
+        "that parts of the exemplar have from each other; length, dangling ends and node "
+        "degrees beside the exemplar's, and what occurs twice.",
     .min_operands = 2,
     .max_operands = 2,
     .group = groups,
