@@ -303,14 +303,14 @@ static tz_status judge(work *w, candidate *c)
 {
     const double start = seconds();
     tz_curve_likeness l;
-    c->mean = NAN;
     tz_status s =
         tz_curve_arrange_judge(w->ctx, w->job->exemplar, &c->set, w->job->given, &l);
     if (s == TZ_OK)
         c->mean = l.mean;
     if (s == TZ_INVALID) {
-        tz_ctx_clear(w->ctx);
-        s = TZ_OK;
+        s = tz_ctx_cancelled(w->ctx) ? TZ_CANCELLED : TZ_OK;
+        if (s == TZ_OK)
+            tz_ctx_clear(w->ctx);
     }
     w->report.compare += seconds() - start;
     return s;
@@ -333,9 +333,11 @@ static tz_status run(work *w)
         s = optimise(w, both ? &w->quilted.set : NULL);
     if (s == TZ_OK && (both || method == TZ_CURVES_OPTIMISE))
         s = finish(w, &w->optimised);
-    if (s == TZ_OK && method != TZ_CURVES_OPTIMISE)
+    w->quilted.mean = w->optimised.mean = NAN;
+    const bool measured = both || !w->job->unmeasured;
+    if (s == TZ_OK && measured && method != TZ_CURVES_OPTIMISE)
         s = judge(w, &w->quilted);
-    if (s == TZ_OK && (both || method == TZ_CURVES_OPTIMISE))
+    if (s == TZ_OK && measured && (both || method == TZ_CURVES_OPTIMISE))
         s = judge(w, &w->optimised);
     w->report.optimised = method == TZ_CURVES_OPTIMISE ||
                           (both && w->optimised.mean < w->quilted.mean - MARGIN);

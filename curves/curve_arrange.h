@@ -39,6 +39,7 @@ typedef struct tz_curve_arrange_job {
     const tz_region *given_region;         /**< as in tz_curve_quilt_job */
     const tz_curve_arrange_params *params; /**< NULL = defaults */
     uint64_t seed;
+    bool unmeasured; /**< likeness is measured only where it decides */
     void (*trace)(void *user, const tz_curve_energy *e, const tz_sample_graph *g);
     void *user;
 } tz_curve_arrange_job;

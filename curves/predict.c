@@ -43,42 +43,91 @@ static tz_status open_all(tz_ctx *ctx, tz_curve_prediction *p)
     return s;
 }
 
-/** What fills the region, given a drawing. */
-static tz_status fill(tz_ctx *ctx, const tz_curve_predict_job *job, uint64_t seed,
-                      tz_curve_set *out)
-{
+enum { TRIES = 5 };
+
+/** Where and how one prediction is tried. */
+typedef struct attempt {
+    const tz_curve_predict_job *job;
     tz_curve_arrange_params params;
-    tz_region *source = NULL, *complete = NULL;
+    tz_region *source, *complete;
+    double spacing;
+} attempt;
+
+static tz_status prepare(tz_ctx *ctx, const tz_curve_predict_job *job, attempt *a)
+{
+    *a = (attempt){.job = job};
     tz_status s = tz_curve_set_check(ctx, job->drawing, "drawing");
     if (s == TZ_OK)
         s = check_span(ctx, job->drawing, job->to);
     if (s == TZ_OK && job->from)
         s = check_span(ctx, job->drawing, job->from);
     if (s == TZ_OK)
-        s = tz_predict_regions(ctx, job, &source, &complete);
-    if (s != TZ_OK)
-        return s;
+        s = tz_predict_regions(ctx, job, &a->source, &a->complete, &a->spacing);
     if (job->params)
-        params = *job->params;
+        a->params = *job->params;
     else
-        tz_params_default(&tz_curve_arrange_param_table, &params);
-    if (params.method == TZ_CURVES_AUTO)
-        params.method = TZ_CURVES_QUILT;
-    const tz_domain plain = {.size = job->drawing->domain.size,
-                             .torus = job->drawing->domain.torus};
-    tz_curve_set exemplar = *job->drawing; /* seen otherwise, not owned */
-    exemplar.domain.region = source;
+        tz_params_default(&tz_curve_arrange_param_table, &a->params);
+    if (a->params.method == TZ_CURVES_AUTO)
+        a->params.method = TZ_CURVES_QUILT;
+    a->params.finish = false; /* ends are joined here: the drawing's are loose, too */
+    return s;
+}
+
+static tz_status fill_once(tz_ctx *ctx, const attempt *a, uint64_t seed,
+                           tz_curve_set *out, double *loss)
+{
+    const tz_curve_set *drawing = a->job->drawing;
+    const tz_domain plain = {.size = drawing->domain.size,
+                             .torus = drawing->domain.torus};
+    tz_curve_set exemplar = *drawing; /* seen otherwise, not owned */
+    exemplar.domain.region = a->source;
     exemplar.origin.n = 0;
     const tz_curve_arrange_job arrange = {.exemplar = &exemplar,
                                           .name = "drawing",
                                           .domain = &plain,
-                                          .given = job->drawing,
-                                          .given_region = complete,
-                                          .params = &params,
-                                          .seed = seed};
-    s = tz_curve_arrange(ctx, &arrange, out, NULL);
-    tz_region_free(source);
-    tz_region_free(complete);
+                                          .given = drawing,
+                                          .given_region = a->complete,
+                                          .params = &a->params,
+                                          .seed = seed,
+                                          .unmeasured = true};
+    tz_status s = tz_curve_arrange(ctx, &arrange, out, NULL);
+    if (s == TZ_OK)
+        s = tz_predict_join(ctx, drawing, a->job->to, a->spacing, out, loss);
+    if (s != TZ_OK) {
+        tz_curve_set_deinit(out);
+        *out = (tz_curve_set){0};
+    }
+    return s;
+}
+
+/** What fills the region: of some tries the one that meets what is drawn best. */
+static tz_status fill(tz_ctx *ctx, const tz_curve_predict_job *job, uint64_t seed,
+                      tz_curve_set *out)
+{
+    attempt a;
+    double best = INFINITY;
+    tz_status s = prepare(ctx, job, &a);
+    *out = (tz_curve_set){0};
+    for (int i = 0; i < TRIES && s == TZ_OK; i++) {
+        tz_curve_set next;
+        double loss = 0;
+        s = fill_once(ctx, &a, seed + 0xd1342543de82ef95u * (uint64_t)i, &next, &loss);
+        if (s == TZ_OK && loss < best) {
+            tz_curve_set_deinit(out);
+            *out = next;
+            best = loss;
+        } else if (s == TZ_OK) {
+            tz_curve_set_deinit(&next);
+        }
+        if (a.params.method != TZ_CURVES_QUILT)
+            break;
+    }
+    tz_region_free(a.source);
+    tz_region_free(a.complete);
+    if (s != TZ_OK) {
+        tz_curve_set_deinit(out);
+        *out = (tz_curve_set){0};
+    }
     return s;
 }
 

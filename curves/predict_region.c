@@ -172,7 +172,7 @@ static tz_status make_complete(tz_ctx *ctx, const tz_curve_predict_job *job, mas
 }
 
 tz_status tz_predict_regions(tz_ctx *ctx, const tz_curve_predict_job *job,
-                             tz_region **source, tz_region **complete)
+                             tz_region **source, tz_region **complete, double *spacing)
 {
     mask m;
     tz_region *from = NULL, *done = NULL;
@@ -185,10 +185,10 @@ tz_status tz_predict_regions(tz_ctx *ctx, const tz_curve_predict_job *job,
         s = no_source(ctx, job);
         goto done;
     }
-    const double spacing = spacing_of(job->drawing, job->to, length);
-    s = make_source(ctx, job, &m, spacing, &from);
+    *spacing = spacing_of(job->drawing, job->to, length);
+    s = make_source(ctx, job, &m, *spacing, &from);
     if (s == TZ_OK)
-        s = make_complete(ctx, job, &m, spacing, &done);
+        s = make_complete(ctx, job, &m, *spacing, &done);
     if (s == TZ_OK) {
         *source = from;
         *complete = done;
