@@ -7,9 +7,9 @@
 #include <string.h>
 
 const tz_command *const tz_command_list[] = {
-    &tz_expand_command,      &tz_analyze_command, &tz_arrange_command, &tz_render_command,
-    &tz_propagate_command,   &tz_compare_command, &tz_replay_command,  &tz_sheet_command,
-    &tz_train_edges_command, &tz_params_command,
+    &tz_expand_command, &tz_analyze_command,     &tz_arrange_command, &tz_render_command,
+    &tz_fill_command,   &tz_propagate_command,   &tz_compare_command, &tz_replay_command,
+    &tz_sheet_command,  &tz_train_edges_command, &tz_params_command,
 };
 const int32_t tz_command_count = sizeof tz_command_list / sizeof tz_command_list[0];
 

@@ -107,6 +107,6 @@ void tz_cli_deinit(tz_cli *cli);
 
 extern const tz_command tz_expand_command, tz_analyze_command, tz_arrange_command,
     tz_render_command, tz_compare_command, tz_replay_command, tz_sheet_command,
-    tz_params_command, tz_train_edges_command, tz_propagate_command;
+    tz_params_command, tz_train_edges_command, tz_propagate_command, tz_fill_command;
 
 #endif

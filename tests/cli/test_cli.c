@@ -310,9 +310,9 @@ static void usage_errors_exit_2(void **state)
 static void help_comes_from_the_tables(void **state)
 {
     (void)state;
-    static const char *const command[] = {"expand",  "analyze",  "arrange", "render",
-                                          "compare", "replay",   "sheet",   "train-edges",
-                                          "params",  "propagate"};
+    static const char *const command[] = {
+        "expand", "analyze",     "arrange", "render",    "compare", "replay",
+        "sheet",  "train-edges", "params",  "propagate", "fill"};
     enum { COMMANDS = sizeof command / sizeof *command };
     assert_exit(0, "$T --version");
     assert_int_equal(strncmp(out_text, "terrazzo ", 9), 0);

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "elements/mix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/svg.h"
+
+#define BLANKS " \t\r\n"
+
+/** A stretch of the text. */
+typedef struct span {
+    const char *v;
+    int n;
+} span;
+
+/** One part: what it names, and what its elements are. */
+typedef struct part {
+    span name;
+    tz_fill_entry entry; /**< share: of all of them together */
+} part;
+
+enum { MOST_PARTS = 256 };
+
+static tz_status bad(tz_ctx *ctx, span w, const char *why)
+{
+    return tz_fail(ctx, TZ_INVALID, "mix: \"%.*s\" %s", w.n, w.v, why);
+}
+
+static bool is(span a, const char *b)
+{
+    return (int)strlen(b) == a.n && memcmp(a.v, b, (size_t)a.n) == 0;
+}
+
+/** One number, which takes up all of the span. */
+static bool number(span w, double *out)
+{
+    char text[64];
+    if (w.n <= 0 || w.n >= (int)sizeof text)
+        return false;
+    memcpy(text, w.v, (size_t)w.n);
+    text[w.n] = 0;
+    return tz_svg_number(text, out);
+}
+
+static span after(span w, int n) { return (span){w.v + n, w.n - n}; }
+
+/** "A..B", or one number for both. */
+static bool range(span w, double out[2])
+{
+    for (int i = 0; i + 1 < w.n; i++)
+        if (w.v[i] == '.' && w.v[i + 1] == '.')
+            return number((span){w.v, i}, &out[0]) && number(after(w, i + 2), &out[1]);
+    if (!number(w, &out[0]))
+        return false;
+    out[1] = out[0];
+    return true;
+}
+
+static tz_status read_word(tz_ctx *ctx, span w, tz_fill_entry *e)
+{
+    double v[2];
+    const char *eq = memchr(w.v, '=', (size_t)w.n);
+    const span name = {w.v, eq ? (int)(eq - w.v) : w.n};
+    const span value = eq ? after(w, name.n + 1) : (span){w.v, 0};
+    if (is(name, "rigidity")) {
+        if (!number(value, v) || !(v[0] >= 0 && v[0] <= 100))
+            return bad(ctx, w, "wants a number from 0 (soft) to 100 (rigid)");
+        e->rigidity = v[0];
+    } else if (is(name, "size")) {
+        if (!range(value, v) || !(v[0] >= 0.001 && v[0] <= v[1] && v[1] <= 1000))
+            return bad(ctx, w, "wants a size, or two as 0.5..2, from 0.001 to 1000");
+        e->size[0] = v[0];
+        e->size[1] = v[1];
+    } else if (is(name, "turn") || is(name, "jitter")) {
+        if (!number(value, v) || !(fabs(v[0]) <= 360))
+            return bad(ctx, w, "wants degrees from -360 to 360");
+        *(is(name, "turn") ? &e->turn : &e->jitter) = v[0] * TZ_PI / 180;
+        e->jitter = fabs(e->jitter);
+    } else {
+        return bad(ctx, w, "is not one of rigidity=, size=, turn= and jitter=");
+    }
+    return TZ_OK;
+}
+
+/** "leaf:3". Names may hold colons: the last one counts if a number follows. */
+static tz_status read_name(tz_ctx *ctx, span w, part *p)
+{
+    double share;
+    p->name = w;
+    for (int i = w.n - 1; i >= 0; i--) {
+        if (w.v[i] != ':')
+            continue;
+        if (i > 0 && number(after(w, i + 1), &share)) {
+            if (!(share >= 0 && share <= 1e9))
+                return bad(ctx, w, "wants a share from 0 to 1e9");
+            p->name.n = i;
+            p->entry.share = share;
+        }
+        break;
+    }
+    return TZ_OK;
+}
+
+static tz_status read_part(tz_ctx *ctx, const char *text, size_t n, double rigidity,
+                           part *p)
+{
+    bool named = false;
+    tz_status s = TZ_OK;
+    *p = (part){.entry = {.share = 1, .rigidity = rigidity, .size = {1, 1}}};
+    for (const char *at = text, *end = text + n; s == TZ_OK && at < end;) {
+        at += strspn(at, BLANKS);
+        const size_t k = strcspn(at, BLANKS ",");
+        if (at >= end || k == 0)
+            break;
+        const span w = {at, (int)k};
+        s = named ? read_word(ctx, w, &p->entry) : read_name(ctx, w, p);
+        named = true;
+        at += k;
+    }
+    return s;
+}
+
+static bool names(const part *p, const tz_element_set *palette, const tz_element *e)
+{
+    return is(p->name, palette->kind.v[e->kind].name) ||
+           is(p->name, palette->symbol.v[e->symbol].id);
+}
+
+/** The first part that names an element; -1 = none. A star has what others leave. */
+static int32_t part_of(const part *p, int32_t n, const tz_element_set *palette,
+                       const tz_element *e)
+{
+    int32_t star = -1;
+    for (int32_t i = 0; i < n; i++) {
+        if (names(&p[i], palette, e))
+            return i;
+        if (is(p[i].name, "*"))
+            star = i;
+    }
+    return star;
+}
+
+static tz_status divide(tz_ctx *ctx, const part *p, int32_t n,
+                        const tz_element_set *palette, tz_mix *mix)
+{
+    int32_t count[MOST_PARTS] = {0};
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < palette->element.n; i++) {
+        const tz_element *e = &palette->element.v[i];
+        const int32_t k = part_of(p, n, palette, e);
+        if (k >= 0 && tz_element_may_copy(e))
+            count[k]++;
+    }
+    for (int32_t k = 0; k < n; k++)
+        if (count[k] == 0 && !is(p[k].name, "*"))
+            return tz_fail(ctx, TZ_INVALID,
+                           "mix: nothing in the palette that may be copied is called "
+                           "\"%.*s\"; its first class is \"%s\"",
+                           p[k].name.n, p[k].name.v,
+                           palette->kind.n > 0 ? palette->kind.v[0].name : "");
+    for (int32_t i = 0; i < palette->element.n && s == TZ_OK; i++) {
+        const int32_t k = part_of(p, n, palette, &palette->element.v[i]);
+        if (k < 0 || !tz_element_may_copy(&palette->element.v[i]))
+            continue;
+        tz_fill_entry e = p[k].entry;
+        e.element = i;
+        e.share /= count[k];
+        if (e.share > 0)
+            s = tz_array_push(ctx, mix, e);
+    }
+    return s;
+}
+
+tz_status tz_mix_parse(tz_ctx *ctx, const char *text, const tz_element_set *palette,
+                       double rigidity, tz_mix *mix)
+{
+    part p[MOST_PARTS];
+    int32_t n = 0;
+    tz_status s = TZ_OK;
+    for (const char *at = text; s == TZ_OK && *at;) {
+        const size_t k = strcspn(at, ",");
+        if (strspn(at, BLANKS) < k) {
+            if (n == MOST_PARTS)
+                return tz_fail(ctx, TZ_LIMIT, "mix: over %d parts; name fewer",
+                               MOST_PARTS);
+            s = read_part(ctx, at, k, rigidity, &p[n++]);
+        }
+        at += k + (at[k] == ',');
+    }
+    if (s == TZ_OK && n == 0)
+        s = tz_fail(ctx, TZ_INVALID,
+                    "mix: it names nothing; give classes as \"leaf:3, stone:1\"");
+    if (s == TZ_OK)
+        s = divide(ctx, p, n, palette, mix);
+    if (s == TZ_OK && mix->n == 0)
+        s = tz_fail(ctx, TZ_INVALID, "mix: all shares are 0; give one of them more");
+    if (s != TZ_OK)
+        tz_array_free(ctx, mix);
+    return s;
+}
+
+tz_status tz_mix_of_document(tz_ctx *ctx, const char *path, char **text)
+{
+    tz_svg_doc *doc = NULL;
+    tz_status s = tz_svg_read(ctx, path, &doc);
+    if (s != TZ_OK)
+        return s;
+    const char *mix = tz_svg_attr(tz_svg_root(doc), "tz:mix");
+    s = tz_strdup(ctx, mix ? mix : "", text);
+    tz_svg_free(doc);
+    return s;
+}
