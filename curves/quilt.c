@@ -19,8 +19,8 @@ static const tz_param rows[] = {
     {"patch", TZ_PARAM_DOUBLE, offsetof(tz_curve_quilt_params, patch), 0, 1, "0", "",
      NULL, "Side of a patch, of the exemplar's shorter side; 0 chooses it"},
     {"overlap", TZ_PARAM_DOUBLE, offsetof(tz_curve_quilt_params, overlap), 0.05, 0.45,
-     "0.35", "", NULL, "How far patches overlap, of their side"},
-    {"candidates", TZ_PARAM_INT, offsetof(tz_curve_quilt_params, candidates), 1, 64, "6",
+     "0.4", "", NULL, "How far patches overlap, of their side"},
+    {"candidates", TZ_PARAM_INT, offsetof(tz_curve_quilt_params, candidates), 1, 64, "8",
      "", NULL, "Patches that are tried for each place"},
 };
 
@@ -168,7 +168,7 @@ typedef struct quilting {
     place;
     bool *done, *laid;
     const int32_t *batch; /* places that run at once */
-    int32_t patches;
+    int32_t sites, patches;
 } quilting;
 
 static tz_status run_place(tz_ctx *ctx, void *arg, int64_t i, int worker)
@@ -299,6 +299,7 @@ static tz_status lay_rows(quilting *q)
                                                   .stream = tz_rng_stream(1, (uint64_t)i,
                                                                           (uint64_t)j)}));
         }
+    q->sites = q->place.n;
     return st == TZ_OK ? lay_places(q, 0, ny + 8) : st;
 }
 
@@ -367,7 +368,8 @@ static tz_status repair(quilting *q, int32_t pass)
             b->sum = tz_vec2_add(b->sum, (tz_vec2){cost * x, cost * y});
         }
     qsort(d, (size_t)bx * (size_t)by, sizeof *d, by_cost);
-    for (int32_t i = 0; i < bx * by && d[i].cost > least && st == TZ_OK; i++) {
+    const int32_t most = q->sites / 3 + 1 < bx * by ? q->sites / 3 + 1 : bx * by;
+    for (int32_t i = 0; i < most && d[i].cost > least && st == TZ_OK; i++) {
         const quilt_place p = {
             .at = tz_vec2_scale(d[i].sum, 1 / d[i].cost),
             .half = {q->side.x / 2, q->side.y / 2},

@@ -32,12 +32,14 @@ static bool reaches(const cutting *c, int32_t piece)
            (lo.x <= c->hi.x && lo.y <= c->hi.y && hi.x >= c->lo.x && hi.y >= c->lo.y);
 }
 
-static tz_status add_cut(cutting *c, const tz_bezier *b, double t, double beyond,
+static tz_status add_cut(cutting *c, const tz_bezier *b, int32_t piece, double t,
                          int side)
 {
     const tz_vec2 d = quilt_turn(c->p, tz_bezier_slope(b, t));
     const double n = tz_vec2_length(d), k = (side ? 1 : -1) / fmax(n, 1e-300);
     quilt_runs *r = c->r;
+    const int32_t pen = c->s->set->path.v[r->run.v[r->run.n - 1].path].pen;
+    const double beyond = side ? fmin(1, t + 1e-6) : fmax(0, t - 1e-6);
     const quilt_cut cut = {
         .at = quilt_place_at(c->p, tz_bezier_at(b, t)),
         .out = {d.x * k, d.y * k},
@@ -45,7 +47,9 @@ static tz_status add_cut(cutting *c, const tz_bezier *b, double t, double beyond
         .side = side,
         .patch = c->patch,
         .other = quilt_label(c->m, quilt_place_at(c->p, tz_bezier_at(b, beyond))),
-        .pen = c->s->set->path.v[r->run.v[r->run.n - 1].path].pen,
+        .pen = pen,
+        .width = c->s->set->taper.n ? quilt_width_at(c->s, piece, t)
+                                    : c->s->set->pen.v[pen].width,
         .mate = -1};
     r->run.v[r->run.n - 1].cut[side] = r->cut.n;
     return tz_array_push(c->ctx, &r->cut, cut);
@@ -103,12 +107,12 @@ static tz_status walk_piece(cutting *c, int32_t path, int32_t piece)
             from = change(c, &b, t, before);
             st = begin_run(c, path);
             if (st == TZ_OK)
-                st = add_cut(c, &b, from, fmax(0, from - 1e-6), 0);
+                st = add_cut(c, &b, piece, from, 0);
         } else {
             const double to = change(c, &b, before, t);
             st = add_part(c, piece, from, to);
             if (st == TZ_OK)
-                st = add_cut(c, &b, to, fmin(1, to + 1e-6), 1);
+                st = add_cut(c, &b, piece, to, 1);
             c->open = false;
         }
         in = now;

@@ -48,8 +48,11 @@ static tz_status node_of(emitting *e, int32_t patch, int32_t node, int32_t *id)
             return TZ_OK;
         }
     }
-    const tz_vec2 p = quilt_warp_at(
-        &e->warp, patch, quilt_place_at(&e->m->patch.v[patch], e->s->set->node.v[node]));
+    const quilt_patch *q = &e->m->patch.v[patch];
+    const tz_vec2 x = quilt_place_at(q, e->s->set->node.v[node]),
+                  anchor = quilt_place_at(q, e->s->anchor[node]);
+    const tz_vec2 p =
+        tz_vec2_add(x, tz_vec2_sub(quilt_warp_at(&e->warp, patch, anchor), anchor));
     const tz_status st = tz_curve_add_node(e->out, shifted(e, p), id);
     if (st == TZ_OK) {
         e->table[at] = key;
@@ -85,6 +88,7 @@ typedef struct bit {
     tz_bezier origin;
     tz_curve_taper taper;
     bool straight;
+    bool rigid;
     int32_t from, to; /* nodes */
     bool back;
 } bit;
@@ -123,8 +127,8 @@ static tz_status put(emitting *e, const bit *x)
         st = tz_curve_line(o, a, b);
     } else {
         tz_bezier w = x->b;
-        if (quilt_warp_near(&e->warp, x->patch, tz_bezier_at(&x->b, 0.5),
-                            tz_bezier_length(&x->b)))
+        if (!x->rigid && quilt_warp_near(&e->warp, x->patch, tz_bezier_at(&x->b, 0.5),
+                                         tz_bezier_length(&x->b)))
             w = warped(e, x->patch, &x->b);
         const tz_vec2 c[2] = {tz_vec2_add(p, tz_vec2_sub(w.p[1], w.p[0])),
                               tz_vec2_add(q, tz_vec2_sub(w.p[2], w.p[3]))};
@@ -142,17 +146,6 @@ static tz_status put(emitting *e, const bit *x)
                            (x->back ? (tz_curve_taper){t.to, t.from} : t));
     }
     return st;
-}
-
-/* Width at t of a piece: linear by arc length. */
-static double width_at(const quilt_source *s, int32_t piece, double t)
-{
-    const tz_curve_taper w = s->set->taper.v[piece];
-    const tz_bezier b = tz_curve_bezier(s->set, &s->set->piece.v[piece]),
-                    part = tz_bezier_part(&b, 0, t);
-    const double all = tz_bezier_length(&b),
-                 k = all > 0 ? tz_bezier_length(&part) / all : t;
-    return w.from + k * (w.to - w.from);
 }
 
 static tz_bezier mapped(const quilt_patch *p, const tz_bezier *b)
@@ -174,7 +167,10 @@ static tz_status put_part(emitting *e, const quilt_run *run, const quilt_part *p
     const double length = tz_bezier_length(&b);
     int32_t n = 1;
     tz_status st = TZ_OK;
-    if (!straight && quilt_warp_near(&e->warp, run->patch, tz_bezier_at(&b, 0.5), length))
+    /* a whole loop is moved, what is cut is bent */
+    const bool rigid = s->rigid[run->path] && run->closed;
+    if (!straight && !rigid &&
+        quilt_warp_near(&e->warp, run->patch, tz_bezier_at(&b, 0.5), length))
         n = (int32_t)fmin(MOST, fmax(1, ceil(length / (e->warp.radius / 3))));
     for (int32_t j = 0; j < n && st == TZ_OK; j++) {
         const int32_t k = back ? n - 1 - j : j;
@@ -185,12 +181,16 @@ static tz_status put_part(emitting *e, const quilt_run *run, const quilt_part *p
                  .b = mapped(p, &o),
                  .origin = o,
                  .straight = straight,
+                 .rigid = rigid,
                  .from = from,
                  .to = to,
                  .back = back};
         if (s->set->taper.n)
-            x.taper = (tz_curve_taper){width_at(s, part->piece, t0),
-                                       width_at(s, part->piece, t1)};
+            x.taper =
+                (tz_curve_taper){quilt_width_at(s, part->piece, t0) *
+                                     quilt_warp_width(&e->warp, run->patch, x.b.p[0]),
+                                 quilt_width_at(s, part->piece, t1) *
+                                     quilt_warp_width(&e->warp, run->patch, x.b.p[3])};
         if (k < n - 1 && !back) {
             st = tz_curve_add_node(
                 e->out, shifted(e, quilt_warp_at(&e->warp, run->patch, x.b.p[3])), &x.to);

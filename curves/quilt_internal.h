@@ -66,6 +66,8 @@ typedef struct quilt_source {
     int32_t *object; /* per path: thing that it is part of, or -1 */
     int32_t objects;
     tz_vec2 *centre; /* of each thing */
+    tz_vec2 *anchor; /* per node: where the field is read that moves it */
+    bool *rigid;     /* per path: it moves as a whole */
     int32_t *degree; /* ends of pieces at each node */
     tz_vec2 *box;    /* [2 piece], [2 piece + 1]: its bounds */
 } quilt_source;
@@ -124,8 +126,9 @@ typedef struct quilt_window {
     uint8_t *side;  /* result: 1 = fresh */
     uint8_t *best;  /* that of the best candidate */
     struct quilt_flow *flow;
-    float *score;   /* of each shift */
-    float *feature; /* of what lies there already */
+    float wave[384]; /* sine of directions, 256 = pi */
+    float *score;    /* of each shift */
+    float *feature;  /* of what lies there already */
     float *weight;
     int32_t most_coarse;
 } quilt_window;
@@ -137,6 +140,8 @@ typedef enum quilt_state {
     QUILT_FREE     /* either */
 } quilt_state;
 
+/* Width at t of a piece: linear by arc length. */
+double quilt_width_at(const quilt_source *s, int32_t piece, double t);
 tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set,
                             const tz_curve_quilt_params *p, quilt_source *s);
 void quilt_source_deinit(quilt_source *s);
@@ -202,6 +207,8 @@ typedef struct quilt_cut {
     int32_t mate; /* paired cut, or -1 */
     tz_vec2 to;   /* where it comes to lie */
     double turn;  /* by how much the line is turned there */
+    double width; /* of the line */
+    double widen; /* logarithm of what it is to be multiplied with */
     bool fixed;
 } quilt_cut;
 
@@ -234,6 +241,8 @@ typedef struct quilt_warp {
 tz_status quilt_warp_init(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
                           quilt_runs *r, quilt_warp *w);
 void quilt_warp_deinit(quilt_warp *w);
+/* What widths are multiplied with at x. */
+double quilt_warp_width(const quilt_warp *w, int32_t patch, tz_vec2 x);
 tz_vec2 quilt_warp_at(const quilt_warp *w, int32_t patch, tz_vec2 x);
 /* Whether anything moves within `reach` of x. */
 bool quilt_warp_near(const quilt_warp *w, int32_t patch, tz_vec2 x, double reach);

@@ -19,6 +19,7 @@ typedef struct pairing {
     const quilt_source *s;
     const quilt_map *m;
     quilt_runs *r;
+    int round; /* from 1: each is less strict */
     TZ_ARRAY(link)
     link;
     int32_t *up; /* group of each cut */
@@ -47,7 +48,7 @@ static float pair_cost(const pairing *q, const quilt_cut *a, const quilt_cut *b,
                                        (tz_vec3){b->at.x, b->at.y, 0});
     const double d = hypot(v.x, v.y), facing = -tz_vec2_dot(a->out, b->out);
     double cost = d / reach;
-    if (!(d < reach) || facing < 0.5)
+    if (!(d < reach) || facing < (q->round < 3 ? 0.5 : 0.25))
         return INFINITY;
     if (a->patch == b->patch) { /* only over a gap in the same line */
         if (a->run < 0 || b->run < 0 || abs(a->run - b->run) != 1 ||
@@ -59,7 +60,7 @@ static float pair_cost(const pairing *q, const quilt_cut *a, const quilt_cut *b,
         cost += 0.2;
     }
     const double turn = acos(fmin(1, facing)) / (TZ_PI / 3);
-    cost = 0.7 * cost + 0.3 * turn * turn + (a->pen != b->pen ? 0.5 : 0);
+    cost = 0.7 * cost + 0.3 * turn * turn + (a->pen != b->pen ? 0.5 / q->round : 0);
     return cost < 1 ? (float)cost : INFINITY;
 }
 
@@ -243,7 +244,7 @@ static void settle(const pairing *q)
     for (int32_t i = 0; i < q->r->cut.n; i++) {
         quilt_cut *a = &q->r->cut.v[i];
         a->to = a->at;
-        a->turn = 0;
+        a->turn = a->widen = 0;
         if (a->mate < 0)
             continue;
         const quilt_cut *b = &q->r->cut.v[a->mate];
@@ -255,6 +256,8 @@ static void settle(const pairing *q)
                                      : tz_vec2_sub(a->out, b->out);
         a->to = (tz_vec2){a->at.x + k * v.x, a->at.y + k * v.y};
         a->turn = between(a->out, t);
+        if (q->s->set->taper.n && a->width > 0 && b->width > 0)
+            a->widen = k * log(b->width / a->width);
     }
 }
 
@@ -268,6 +271,7 @@ tz_status quilt_pair(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
         st = tz_alloc(ctx, &q.colour, (size_t)r->cut.n, sizeof *q.colour);
     for (int round = 1; round <= 3 && st == TZ_OK; round++) {
         q.link.n = 0;
+        q.round = round;
         st = find_links(&q, round * reach);
         if (st == TZ_OK)
             st = solve(&q);

@@ -25,6 +25,8 @@ tz_status quilt_window_init(tz_ctx *ctx, const quilt_source *s, const quilt_map 
     const size_t n = (size_t)nx * (size_t)ny, rim = (size_t)(nx + 4) * (size_t)(ny + 4),
                  shifts = (size_t)s->fx * (size_t)s->fy;
     *w = (quilt_window){.ctx = ctx, .most = (int32_t)n};
+    for (int i = 0; i < 384; i++)
+        w->wave[i] = (float)sin(i * TZ_PI / 256);
     w->most_coarse = (int32_t)((side.x / s->coarse + 2) * (side.y / s->coarse + 2));
     const size_t c = (size_t)w->most_coarse;
     tz_status st = tz_alloc(ctx, &w->fresh, rim, sizeof *w->fresh);
@@ -324,8 +326,7 @@ static void draw_candidate(const quilt_source *s, const quilt_map *m,
 static float find_line(const quilt_window *w, const quilt_cell *in, ptrdiff_t at,
                        quilt_spot a, float *across)
 {
-    const float angle = (float)a.turn * (float)(TZ_PI / 256), c = cosf(angle),
-                s = sinf(angle);
+    const float c = w->wave[a.turn + 128], s = w->wave[a.turn];
     const int stride = w->w + 4;
     float best = 1;
     for (int dy = -2; dy <= 2; dy++)
@@ -363,7 +364,9 @@ static void align(const quilt_source *s, const quilt_map *m, const quilt_place *
         for (int32_t j = 0; j < w->h; j++)
             for (int32_t i = 0; i < w->w; i++) {
                 const ptrdiff_t at = cell_at(m, w, i, j);
-                if (w->state[(ptrdiff_t)j * w->w + i] == QUILT_BLOCKED || at < 0 ||
+                /* every third will do */
+                if ((i + j) % 3 != round % 3 ||
+                    w->state[(ptrdiff_t)j * w->w + i] == QUILT_BLOCKED || at < 0 ||
                     m->label[at] == QUILT_NONE)
                     continue;
                 const quilt_cell *old = &w->old[rimmed(w, i, j)];

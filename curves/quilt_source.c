@@ -126,7 +126,7 @@ static void measure(quilt_source *s, const tz_curve_quilt_params *p)
     const double side = fmin(s->hi.x - s->lo.x, s->hi.y - s->lo.y);
     s->spacing =
         fmin((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / fmax(length, 1e-9), side);
-    s->cell = fmin(fmax(s->spacing / 4, side / 160), side / 64);
+    s->cell = fmin(fmax(s->spacing / 3.5, side / 128), side / 64);
     s->patch = (p->patch > 0 ? p->patch : 0.5) * side;
     s->coarse = s->patch / 24;
 }
@@ -144,7 +144,8 @@ static int32_t root(int32_t *up, int32_t i)
 
 typedef struct thing {
     tz_vec2 lo, hi;
-    bool is; /* small, and not cut by the border */
+    bool is;    /* small, and not cut by the border */
+    bool plain; /* strokes alone: nothing branches, nothing closes */
     int32_t id;
 } thing;
 
@@ -153,20 +154,27 @@ static void box_things(const quilt_source *s, int32_t *up, thing *t)
 {
     const tz_curve_set *set = s->set;
     for (int32_t i = 0; i < set->node.n; i++)
-        t[i] = (thing){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, false, -1};
+        t[i] = (thing){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, false, true, -1};
     for (int32_t i = 0; i < set->piece.n; i++) {
         thing *b = &t[root(up, set->piece.v[i].from)];
         const tz_vec2 lo = s->box[2 * (ptrdiff_t)i], hi = s->box[2 * (ptrdiff_t)i + 1];
         b->lo = (tz_vec2){fmin(b->lo.x, lo.x), fmin(b->lo.y, lo.y)};
         b->hi = (tz_vec2){fmax(b->hi.x, hi.x), fmax(b->hi.y, hi.y)};
         b->id = 0;
+        b->plain = b->plain && s->degree[set->piece.v[i].from] < 3 &&
+                   s->degree[set->piece.v[i].to] < 3;
     }
-    const double most = s->largest, rim = s->cell / 4;
-    for (int32_t i = 0; i < set->node.n; i++)
+    for (int32_t i = 0; i < set->path.n; i++)
+        if (set->path.v[i].closed)
+            t[root(up, set->piece.v[set->path.v[i].piece].from)].plain = false;
+    const double rim = s->cell / 4;
+    for (int32_t i = 0; i < set->node.n; i++) {
+        const double most = t[i].plain ? fmax(s->largest, 0.5 * s->patch) : s->largest;
         t[i].is = t[i].id == 0 && t[i].hi.x - t[i].lo.x < most &&
                   t[i].hi.y - t[i].lo.y < most && t[i].lo.x > rim && t[i].lo.y > rim &&
                   t[i].hi.x < set->domain.size.x - rim &&
                   t[i].hi.y < set->domain.size.y - rim;
+    }
 }
 
 /* Things whose boxes overlap by half of the smaller are one (a wheel and its spokes). */
@@ -435,6 +443,43 @@ done:
     return st;
 }
 
+double quilt_width_at(const quilt_source *s, int32_t piece, double t)
+{
+    const tz_curve_taper w = s->set->taper.v[piece];
+    const tz_bezier b = tz_curve_bezier(s->set, &s->set->piece.v[piece]),
+                    part = tz_bezier_part(&b, 0, t);
+    const double all = tz_bezier_length(&b),
+                 k = all > 0 ? tz_bezier_length(&part) / all : t;
+    return w.from + k * (w.to - w.from);
+}
+
+/* Small loops (rings at the ends of lines) keep their shape: their nodes move as their
+ * centre does. */
+static tz_status find_rigid(quilt_source *s)
+{
+    const tz_curve_set *set = s->set;
+    tz_status st = tz_alloc(s->ctx, &s->anchor, (size_t)set->node.n, sizeof *s->anchor);
+    if (st == TZ_OK)
+        st = tz_alloc_zero(s->ctx, &s->rigid, (size_t)set->path.n, sizeof *s->rigid);
+    if (st != TZ_OK)
+        return st;
+    memcpy(s->anchor, set->node.v, (size_t)set->node.n * sizeof *s->anchor);
+    for (int32_t i = 0; i < set->path.n; i++) {
+        const tz_curve_path *p = &set->path.v[i];
+        tz_vec2 lo = {INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY};
+        for (int32_t k = p->piece; k < p->piece + p->pieces; k++) {
+            const tz_vec2 *b = &s->box[2 * (ptrdiff_t)k];
+            lo = (tz_vec2){fmin(lo.x, b[0].x), fmin(lo.y, b[0].y)};
+            hi = (tz_vec2){fmax(hi.x, b[1].x), fmax(hi.y, b[1].y)};
+        }
+        s->rigid[i] = p->closed && fmax(hi.x - lo.x, hi.y - lo.y) < 1.5 * s->spacing;
+        for (int32_t k = p->piece; k < p->piece + p->pieces && s->rigid[i]; k++)
+            s->anchor[set->piece.v[k].from] = s->anchor[set->piece.v[k].to] =
+                tz_vec2_scale(tz_vec2_add(lo, hi), 0.5);
+    }
+    return TZ_OK;
+}
+
 tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set,
                             const tz_curve_quilt_params *p, quilt_source *s)
 {
@@ -444,6 +489,8 @@ tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set,
         measure(s, p);
         st = find_things(s);
     }
+    if (st == TZ_OK)
+        st = find_rigid(s);
     if (st == TZ_OK)
         st = make_dabs(s);
     if (st == TZ_OK)
@@ -466,6 +513,8 @@ void quilt_source_deinit(quilt_source *s)
     tz_free(s->ctx, s->cover);
     tz_free(s->ctx, s->object);
     tz_free(s->ctx, s->centre);
+    tz_free(s->ctx, s->anchor);
+    tz_free(s->ctx, s->rigid);
     tz_free(s->ctx, s->degree);
     tz_free(s->ctx, s->box);
     memset(s, 0, sizeof *s);

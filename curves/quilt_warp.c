@@ -17,7 +17,8 @@ enum { MOST = 64 };
 
 static bool moves(const quilt_cut *c)
 {
-    return c->mate >= 0 && (c->to.x != c->at.x || c->to.y != c->at.y || c->turn != 0);
+    return c->mate >= 0 &&
+           (c->to.x != c->at.x || c->to.y != c->at.y || c->turn != 0 || c->widen != 0);
 }
 
 tz_vec2 quilt_warp_at(const quilt_warp *w, int32_t patch, tz_vec2 x)
@@ -43,6 +44,25 @@ tz_vec2 quilt_warp_at(const quilt_warp *w, int32_t patch, tz_vec2 x)
         d.y += wt * (c->to.y - c->at.y + sn * v.x + cs * v.y);
     }
     return (tz_vec2){x.x + d.x / sum, x.y + d.y / sum};
+}
+
+double quilt_warp_width(const quilt_warp *w, int32_t patch, tz_vec2 x)
+{
+    int32_t near[MOST];
+    const int32_t n = tz_grid_query(&w->grid, x, w->radius, near, MOST);
+    double sum = 1, d = 0;
+    for (int32_t i = 0; i < (n < MOST ? n : MOST); i++) {
+        const quilt_cut *c = &w->r->cut.v[near[i]];
+        const double k = tz_vec2_length(tz_vec2_sub(x, c->at)) / w->radius;
+        if (c->patch != patch || c->run < 0 || c->mate < 0 || k >= 1)
+            continue;
+        if (k < 1e-9)
+            return exp(c->widen);
+        const double wt = (1 - k) * (1 - k) / (k * k);
+        sum += wt;
+        d += wt * c->widen;
+    }
+    return exp(d / sum);
 }
 
 bool quilt_warp_near(const quilt_warp *w, int32_t patch, tz_vec2 x, double reach)
@@ -115,7 +135,7 @@ tz_status quilt_warp_init(tz_ctx *ctx, const quilt_source *s, const quilt_map *m
 {
     const tz_vec3 size = m->domain->size;
     int32_t id;
-    *w = (quilt_warp){.ctx = ctx, .r = r, .radius = fmax(8 * m->cx, 2 * s->spacing)};
+    *w = (quilt_warp){.ctx = ctx, .r = r, .radius = fmax(8 * m->cx, 3 * s->spacing)};
     straighten(s, m, r);
     const double cell = fmin(w->radius, fmin(size.x, size.y));
     tz_status st = tz_grid_init(ctx, &w->grid, (tz_vec2){0, 0}, (tz_vec2){size.x, size.y},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Quilting of curves: bench_quilt [-s SCALE] [-o FOLDER] [-t] DRAWING... prints for each
+/* Quilting of curves: bench_quilt [-s SCALE] [-o FOLDER] [-t] [-p NAME VALUE] DRAWING... prints for each
  * drawing, over SCALE x SCALE times its area, the time, patches, share of crossings joined
  * and the length of lines per area against the exemplar's; -o writes the results, -t makes
  * them tiles. */
@@ -19,7 +19,7 @@ static double length_per_area(const tz_curve_set *s)
 }
 
 static void quilt(tz_ctx *ctx, const char *path, double scale, bool torus,
-                  const char *folder)
+                  const char *folder, const tz_curve_quilt_params *p)
 {
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     tz_curve_set set, out;
@@ -28,7 +28,8 @@ static void quilt(tz_ctx *ctx, const char *path, double scale, bool torus,
     const tz_domain d = {
         .size = {scale * set.domain.size.x, scale * set.domain.size.y, 0},
         .torus = torus};
-    const tz_curve_quilt_job job = {.exemplar = &set, .domain = &d, .seed = 1};
+    const tz_curve_quilt_job job = {
+        .exemplar = &set, .domain = &d, .params = p, .seed = 1};
     const double t0 = bench_now(), c0 = bench_cpu();
     bench_check(ctx, tz_curve_quilt(ctx, &job, &out, &r));
     const double t1 = bench_now(), c1 = bench_cpu();
@@ -54,15 +55,21 @@ int main(int argc, char **argv)
     double scale = 3;
     bool torus = false;
     const char *folder = NULL;
+    tz_curve_quilt_params p;
+    tz_params_default(&tz_curve_quilt_param_table, &p);
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "-s") == 0 && i + 1 < argc)
             scale = strtod(argv[++i], NULL);
         else if (strcmp(argv[i], "-o") == 0 && i + 1 < argc)
             folder = argv[++i];
-        else if (strcmp(argv[i], "-t") == 0)
+        else if (strcmp(argv[i], "-p") == 0 && i + 2 < argc) {
+            bench_check(ctx, tz_params_set(ctx, &tz_curve_quilt_param_table, &p,
+                                           argv[i + 1], argv[i + 2]));
+            i += 2;
+        } else if (strcmp(argv[i], "-t") == 0)
             torus = true;
         else
-            quilt(ctx, argv[i], scale, torus, folder);
+            quilt(ctx, argv[i], scale, torus, folder, &p);
     }
     tz_ctx_free(ctx);
     return 0;
