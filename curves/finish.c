@@ -11,8 +11,13 @@
 
 #include "curves/finish_internal.h"
 
-enum { ROUNDS = 6 };
-#define MARGIN  0.2 /* of delta */
+enum { ROUNDS = 10 };
+#define MARGIN 0.1  /* of delta */
+#define REACH  1.25 /* of delta */
+#define GROWTH 1.4  /* of the reach where the exemplar has no ends, a round */
+#define CHANCE \
+    1.03          /* times as many ends as the exemplar has a length are none too many */
+#define FEW     8 /* ends: of fewer nothing is told */
 #define SPACING 0.1 /* of delta: points of nets */
 
 /* ---- what the exemplar has ----------------------------------------------------------- */
@@ -77,6 +82,70 @@ static tz_status measure_twins(const tz_net *n, tz_finish_limits *l)
     return s;
 }
 
+/* Gaps that cost less than nearly all of the exemplar's own are none of its kind. Of few
+ * ends nothing can be told. */
+static tz_status measure_gaps(const tz_net *n, tz_finish_limits *l)
+{
+    tz_finish_costs cost = {0};
+    const tz_status s = tz_finish_end_costs(n, l, &cost);
+    l->cost = INFINITY;
+    if (s == TZ_OK && cost.n >= FEW) {
+        qsort(cost.v, (size_t)cost.n, sizeof *cost.v, up);
+        l->cost = cost.v[cost.n / 10];
+    }
+    tz_array_free(n->ctx, &cost);
+    return s;
+}
+
+/* Whether more than half of the length is straight. */
+static bool mostly_straight(const tz_net *n)
+{
+    double straight = 0, all = 0;
+    for (int32_t i = 0; i < n->set.piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[i]);
+        const double length = tz_bezier_length(&b);
+        all += length;
+        straight += n->set.piece.v[i].straight && length > n->spacing ? length : 0;
+    }
+    return straight > all / 2;
+}
+
+/* How fast lines turn from chord to chord, but for the fastest hundredth. */
+static tz_status measure_bend(const tz_net *n, tz_finish_limits *l)
+{
+    TZ_ARRAY(double)
+    turn = {0};
+    tz_status s = TZ_OK;
+    for (int32_t i = 1; i + 1 < n->point.n && s == TZ_OK; i++) {
+        const tz_net_point *p = &n->point.v[i - 1], *q = &n->point.v[i + 1];
+        if (p->piece == q->piece && fabs(q->along - p->along) > 0.5 * n->spacing)
+            s = tz_array_push(
+                n->ctx, &turn,
+                acos(fmin(fmax(tz_vec2_dot(p->tangent, q->tangent), -1), 1)) /
+                    fabs(q->along - p->along));
+    }
+    for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++) { /* corners */
+        if (tz_net_degree(n, i) != 2)
+            continue;
+        tz_vec2 u[2];
+        for (int k = 0; k < 2; k++) {
+            const int32_t end = n->end[n->first[i] + k];
+            const int32_t at = end & 1 ? n->at[(end >> 1) + 1] - 1 : n->at[end >> 1];
+            u[k] = tz_vec2_scale(n->point.v[at].tangent, end & 1 ? -1 : 1);
+        }
+        s = tz_array_push(n->ctx, &turn,
+                          acos(fmin(fmax(-tz_vec2_dot(u[0], u[1]), -1), 1)) /
+                              (2 * n->spacing));
+    }
+    l->bend = INFINITY;
+    if (s == TZ_OK && turn.n > 0) {
+        qsort(turn.v, (size_t)turn.n, sizeof *turn.v, up);
+        l->bend = turn.v[(int32_t)(0.99 * (turn.n - 1))];
+    }
+    tz_array_free(n->ctx, &turn);
+    return s;
+}
+
 tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
                             tz_finish_limits *out)
 {
@@ -93,7 +162,8 @@ tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
     tz_net n = {.ctx = ctx};
     tz_status s = tz_curve_join(ctx, exemplar, &join, &joined);
     if (s == TZ_OK)
-        s = tz_net_init(ctx, &joined, exemplar->pen.n, SPACING * delta, &n);
+        s = tz_net_init(ctx, &joined, exemplar->pen.n, SPACING * delta, l.margin, &n);
+    l.reach = REACH * delta;
     if (s == TZ_OK)
         s = measure_branches(&n, &l);
     if (s == TZ_OK)
@@ -105,8 +175,13 @@ tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
         for (int32_t i = 0; i < n.set.node.n; i++)
             l.degrees =
                 tz_net_degree(&n, i) > l.degrees ? tz_net_degree(&n, i) : l.degrees;
-        *out = l;
+        l.straight = mostly_straight(&n);
+        s = measure_bend(&n, &l);
     }
+    if (s == TZ_OK)
+        s = measure_gaps(&n, &l);
+    if (s == TZ_OK)
+        *out = l;
     tz_net_deinit(&n);
     tz_curve_set_deinit(&joined);
     return s;
@@ -205,13 +280,30 @@ typedef struct finishing {
     bool changed;
 } finishing;
 
+/* What has been added may touch something. Takes the set. */
+static tz_status rejoin(tz_curve_set *out, tz_curve_set *now)
+{
+    const tz_curve_join_params join = {.crossings = true};
+    const tz_status s = tz_curve_join(out->ctx, out, &join, now);
+    now->ctx = out->ctx;
+    tz_curve_set_deinit(out);
+    return s;
+}
+
+/* How many ends there may be: of a pattern of ends a few more are chance. */
+static double most_ends(const tz_finish_limits *l, double length)
+{
+    return floor(l->ends * length * (isinf(l->cost) ? 1 : CHANCE) + 0.5);
+}
+
 /* One round; `again` where something has been done. */
 static tz_status finish_round(finishing *f, bool first, bool *again)
 {
     tz_net n = {.ctx = f->ctx};
     tz_net_edit e = {.net = &n};
     tz_curve_set out = {.ctx = f->ctx};
-    tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta, &n);
+    tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta,
+                              f->limit.margin, &n);
     *again = false;
     if (s == TZ_OK)
         s = tz_net_edit_init(&n, &e);
@@ -222,7 +314,7 @@ static tz_status finish_round(finishing *f, bool first, bool *again)
         s = tz_finish_clean(&e, &f->limit);
     }
     if (s == TZ_OK)
-        s = tz_finish_ends(&e, &f->limit, floor(f->limit.ends * n.length + 0.5));
+        s = tz_finish_ends(&e, &f->limit, most_ends(&f->limit, n.length));
     if (s == TZ_OK)
         s = tz_net_edit_apply(&e, &out);
     if (s == TZ_OK) {
@@ -230,7 +322,10 @@ static tz_status finish_round(finishing *f, bool first, bool *again)
         f->changed = f->changed || *again;
         f->report.closed += e.closed;
         f->report.removed += e.removed;
-        f->now = out;
+        if (*again)
+            s = rejoin(&out, &f->now);
+        else
+            f->now = out;
     }
     tz_net_edit_deinit(&e);
     tz_net_deinit(&n);
@@ -255,8 +350,17 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
     if (s == TZ_OK)
         s = tz_curve_join(ctx, &all, &join, &f.now);
     f.now.ctx = ctx;
-    for (int k = 0; k < ROUNDS && s == TZ_OK && again; k++)
+    const double reach = f.limit.reach, branch = f.limit.branch;
+    for (int k = 0; k < ROUNDS && s == TZ_OK && again; k++) {
         s = finish_round(&f, k == 0, &again);
+        /* where no end is right, the last of them are worth a longer way */
+        if (!again && isinf(f.limit.cost) && k + 1 < ROUNDS &&
+            f.limit.reach < 3 * reach && f.report.ends[1] > 0) {
+            f.limit.reach *= GROWTH;
+            f.limit.branch = fmin(f.limit.branch * GROWTH, 2 * branch);
+            again = true;
+        }
+    }
     if (s == TZ_OK && f.changed)
         s = take_over(&f.now, set);
     if (s == TZ_OK && report)

@@ -4,7 +4,7 @@
  * of the exemplar's short branches:
  *
  *   join    two ends that point at each other          -2 ends
- *   hit     an end and the line ahead of it            -1
+ *   hit     an end and the line straight ahead of it   -1 (where lines do meet so)
  *   border  an end that points at the border near by   -1
  *   stub    a branch that goes                         -1
  *
@@ -13,7 +13,7 @@
 
 #include "curves/finish_internal.h"
 
-#define REACH   1.25 /* of delta */
+#define OTHER   1.5  /* times the cost: lines of two pens */
 #define AHEAD   0.5  /* cosine of the angle with the end's direction, at least */
 #define STEEP   0.3  /* sine of the angle that a line ahead is met at, at least */
 #define TOUCH   0.08 /* of delta: nearer than this, direction does not matter */
@@ -105,6 +105,21 @@ static bool blocked(const tz_net *n, const tz_bezier *c, int32_t a, int32_t b)
     return found > MOST;
 }
 
+/* Where straight lines from two ends meet ahead of both; false if they do not. q is near
+ * p. */
+static bool corner(tz_vec2 p, tz_vec2 u, tz_vec2 q, tz_vec2 w, double reach, tz_vec2 *at)
+{
+    const double det = cross(u, w);
+    const tz_vec2 d = tz_vec2_sub(q, p);
+    if (fabs(det) < 0.1)
+        return false;
+    const double s = cross(d, w) / det, t = cross(d, u) / det;
+    if (!(s > 0 && t > 0 && s < reach && t < reach))
+        return false;
+    *at = tz_vec2_add(p, tz_vec2_scale(u, s));
+    return true;
+}
+
 /* ---- choices ------------------------------------------------------------------------- */
 
 /* Whether a way over the net leads from an end to a point that is near, so that to join
@@ -130,29 +145,46 @@ static tz_status add_joins(const tz_net *n, int32_t node, const tz_finish_limits
     const tz_vec2 v = tz_net_vector(n, n->set.node.v[node], n->set.node.v[other]),
                   u = tz_net_outwards(n, node), w = tz_net_outwards(n, other);
     const double d = tz_vec2_length(v);
-    if (own_line(n, node, q, d))
+    if (own_line(n, node, q, d) ||
+        tz_vec2_dot(u, w) > (l->straight ? 0.3 : -AHEAD / 2)) /* would turn back */
         return TZ_OK;
     double a = d > 0 ? tz_vec2_dot(u, v) / d : 1, b = d > 0 ? -tz_vec2_dot(w, v) / d : 1;
-    if (d > TOUCH * l->delta && (a < AHEAD || b < AHEAD))
-        return TZ_OK;
-    if (d <= TOUCH * l->delta)
+    double way = d;
+    tz_vec2 at;
+    if (d <= TOUCH * l->delta && tz_vec2_dot(u, w) < 0.2)
         a = b = 1;
+    else if (l->straight) {
+        const tz_vec2 from = n->set.node.v[node], to = tz_vec2_add(from, v);
+        const bool meet = corner(from, u, to, w, l->reach, &at),
+                   along = fmin(a, b) > 0.98 ||
+                           (a > 0 && b > 0 && fabs(cross(u, v)) < TOUCH * l->delta &&
+                            fabs(cross(w, v)) < TOUCH * l->delta);
+        if (!meet && !along)
+            return TZ_OK;
+        if (meet && !along)
+            way = tz_vec2_length(tz_vec2_sub(at, from)) +
+                  tz_vec2_length(tz_vec2_sub(at, to));
+        a = b = along ? 1 : 0.8;
+    } else if (a < AHEAD || b < AHEAD || a + b < 2 * AHEAD + 0.3)
+        return TZ_OK;
+    else if (acos(fmin(a, 1)) + acos(fmin(b, 1)) > 2 * l->bend * d + 0.2)
+        return TZ_OK; /* no line turns so fast */
+    const double pens = n->pen[end_at(n, node) >> 1] == n->pen[piece] ? 1 : OTHER;
     return tz_array_push(n->ctx, out,
-                         ((choice){.cost = d / (REACH * l->delta) * bent(a) * bent(b),
+                         ((choice){.cost = pens * way / l->reach * bent(a) * bent(b),
                                    .way = JOIN,
                                    .node = node,
                                    .other = other,
                                    .hit = *q}));
 }
 
-/* Where the end's ray meets the chord behind that point; else how the point lies to it. */
+/* Cost of the way straight ahead to the chord behind that point. */
 static double look_ahead(const tz_net *n, int32_t node, int32_t k, double reach,
                          tz_net_point *hit)
 {
     const tz_net_point *q = &n->point.v[k];
     const tz_vec2 p = n->set.node.v[node], u = tz_net_outwards(n, node),
                   v = tz_net_vector(n, p, q->at);
-    const double d = tz_vec2_length(v);
     *hit = *q;
     if (k + 1 < n->at[q->piece + 1]) {
         const tz_net_point *r = &n->point.v[k + 1];
@@ -165,11 +197,7 @@ static double look_ahead(const tz_net *n, int32_t node, int32_t k, double reach,
             return own_line(n, node, hit, s) ? INFINITY : s / reach;
         }
     }
-    const double ahead = d > 0 ? tz_vec2_dot(u, v) / d : 0;
-    if (ahead < AHEAD || fabs(cross(v, q->tangent)) < STEEP * d ||
-        own_line(n, node, q, d))
-        return INFINITY;
-    return d / reach * bent(ahead);
+    return INFINITY;
 }
 
 static tz_status add_border(const tz_net *n, int32_t node, const tz_finish_limits *l,
@@ -177,7 +205,7 @@ static tz_status add_border(const tz_net *n, int32_t node, const tz_finish_limit
 {
     const tz_domain *d = &n->set.domain;
     const tz_vec2 p = n->set.node.v[node], u = tz_net_outwards(n, node);
-    const double reach = REACH * l->delta;
+    const double reach = l->reach;
     double lo = 0, hi = reach;
     const tz_vec2 far = tz_vec2_add(p, tz_vec2_scale(u, reach));
     if (!(tz_domain_depth(d, (tz_vec3){far.x, far.y, 0}) < 0))
@@ -201,7 +229,7 @@ static tz_status look_about(const tz_net *n, int32_t node, const tz_finish_limit
 {
     enum { MOST = 1024 };
     int32_t id[MOST];
-    const double reach = REACH * l->delta;
+    const double reach = l->reach;
     const int32_t found = tz_grid_query(&n->grid, n->set.node.v[node], reach, id, MOST);
     choice best = {.cost = INFINITY, .way = HIT, .node = node, .other = -1};
     tz_status s = TZ_OK;
@@ -212,7 +240,8 @@ static tz_status look_about(const tz_net *n, int32_t node, const tz_finish_limit
             n->edge.v[n->edge_of[q->piece]].steps < 2 && q->along < 3 * n->spacing)
             continue;
         s = add_joins(n, node, l, q, out);
-        const double cost = look_ahead(n, node, id[i], reach, &hit);
+        const double cost =
+            l->degrees > 2 ? look_ahead(n, node, id[i], reach, &hit) : INFINITY;
         if (cost < best.cost) {
             best.cost = cost;
             best.hit = hit;
@@ -305,12 +334,45 @@ static tz_status hit_line(tz_net_edit *e, const choice *c, const tz_finish_limit
                       : s;
 }
 
-static tz_status join_ends(tz_net_edit *e, const choice *c, bool *done)
+/* Two straight lines that meet. */
+static tz_status join_corner(tz_net_edit *e, const choice *c, tz_vec2 at, bool *done)
+{
+    const tz_net *n = e->net;
+    const tz_vec2 from = n->set.node.v[c->node],
+                  to = tz_curve_copy(&n->set.domain, n->set.node.v[c->other], from);
+    const tz_bezier a = tz_bezier_line(from, at), b = tz_bezier_line(to, at);
+    const int32_t p = end_at(n, c->node) >> 1, q = end_at(n, c->other) >> 1;
+    int32_t node;
+    *done = !blocked(n, &a, p, q) && !blocked(n, &b, p, q);
+    if (!*done)
+        return TZ_OK;
+    tz_status s = new_node(e, at, &node);
+    const double w = (width_at(n, c->node) + width_at(n, c->other)) / 2;
+    choice other = *c;
+    other.node = c->other;
+    if (s == TZ_OK)
+        s = add_bridge(e, c, at, (tz_vec2){0, 0}, node, w);
+    if (s == TZ_OK)
+        s = add_bridge(e, &other,
+                       tz_curve_copy(&n->set.domain, at, n->set.node.v[c->other]),
+                       (tz_vec2){0, 0}, node, w);
+    e->closed--;
+    return s;
+}
+
+static tz_status join_ends(tz_net_edit *e, const choice *c, const tz_finish_limits *l,
+                           bool *done)
 {
     const tz_net *n = e->net;
     const tz_vec2 from = n->set.node.v[c->node],
                   at = tz_curve_copy(&n->set.domain, n->set.node.v[c->other], from),
                   v = tz_vec2_scale(tz_net_outwards(n, c->other), -1);
+    tz_vec2 meet;
+    const tz_vec2 u = tz_net_outwards(n, c->node), d = tz_vec2_sub(at, from);
+    if (l->straight && tz_vec2_length(d) > TOUCH * l->delta &&
+        tz_vec2_dot(u, d) < 0.98 * tz_vec2_length(d) &&
+        corner(from, u, at, tz_vec2_scale(v, -1), l->reach, &meet))
+        return join_corner(e, c, meet, done);
     const tz_bezier way = bridge(from, tz_net_outwards(n, c->node), at, v);
     *done = !blocked(n, &way, end_at(n, c->node) >> 1, end_at(n, c->other) >> 1);
     return *done ? add_bridge(e, c, at, v, c->other, width_at(n, c->other)) : TZ_OK;
@@ -361,7 +423,7 @@ static tz_status do_choice(tz_net_edit *e, const choice *c, const tz_finish_limi
     if (c->way == JOIN && e->gone[end_at(e->net, c->other) >> 1])
         return TZ_OK;
     switch (c->way) {
-    case JOIN: s = join_ends(e, c, &done); break;
+    case JOIN: s = join_ends(e, c, l, &done); break;
     case HIT: s = hit_line(e, c, l, &done); break;
     case BORDER: s = reach_border(e, c, &done); break;
     case STUB: drop_stub(e, c, busy, &done); break;
@@ -394,9 +456,30 @@ tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most)
     }
     if (s == TZ_OK && list.n > 1)
         qsort(list.v, (size_t)list.n, sizeof *list.v, by_cost);
-    for (int32_t i = 0; i < list.n && s == TZ_OK && (over > 0 || list.v[i].cost < 0); i++)
-        s = do_choice(e, &list.v[i], l, busy, &over);
+    for (int32_t i = 0; i < list.n && s == TZ_OK; i++)
+        if (list.v[i].cost < 0 || (over > 0 && list.v[i].cost < l->cost))
+            s = do_choice(e, &list.v[i], l, busy, &over);
     tz_array_free(n->ctx, &list);
     tz_free(n->ctx, busy);
+    return s;
+}
+
+tz_status tz_finish_end_costs(const tz_net *n, const tz_finish_limits *l,
+                              tz_finish_costs *cost)
+{
+    choices list = {0};
+    tz_status s = TZ_OK;
+    for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++) {
+        double best = INFINITY;
+        if (!tz_net_dangles(n, i, l->margin))
+            continue;
+        list.n = 0;
+        s = look_about(n, i, l, &list);
+        for (int32_t k = 0; k < list.n; k++)
+            best = fmin(best, list.v[k].cost);
+        if (s == TZ_OK)
+            s = tz_array_push(n->ctx, cost, best);
+    }
+    tz_array_free(n->ctx, &list);
     return s;
 }

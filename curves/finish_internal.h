@@ -46,13 +46,13 @@ typedef struct tz_net {
     point;       /**< by piece: point[at[i] .. at[i + 1] - 1], both its ends among them */
     int32_t *at; /**< per piece */
     tz_grid grid;  /**< of the points */
-    double length; /**< of all that is not fixed */
+    double length; /**< of what is not fixed, off the border by the margin */
 } tz_net;
 
 /** Takes the set over, also on error. Its paths are joined where they cross.
  * @return TZ_OK; TZ_NOMEM; TZ_LIMIT; TZ_CANCELLED */
 tz_status tz_net_init(tz_ctx *ctx, tz_curve_set *joined, int32_t fixed, double spacing,
-                      tz_net *n);
+                      double margin, tz_net *n);
 void tz_net_deinit(tz_net *n);
 
 static inline int32_t tz_net_degree(const tz_net *n, int32_t node)
@@ -86,6 +86,11 @@ typedef struct tz_finish_limits {
     double twin;     /**< edges run beside another no nearer than twice this */
     double junction; /**< junctions are no nearer to each other than twice this */
     int32_t degrees; /**< the most lines that meet */
+    bool straight;   /**< most lines are straight: gaps are closed by straight ones */
+    double bend;     /**< rad a unit of length: lines hardly turn faster */
+    double reach;    /**< that gaps are closed over */
+    double cost;     /**< what would close all but few of the exemplar's own gaps; those
+                          that cost more are right as they are */
 } tz_finish_limits;
 
 tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
@@ -133,6 +138,11 @@ tz_status tz_net_edit_apply(tz_net_edit *e, tz_curve_set *out);
 tz_status tz_finish_parts(const tz_net *n, double margin, double **length);
 /** Crumbs, twins and junctions that lie in one spot. */
 tz_status tz_finish_clean(tz_net_edit *e, const tz_finish_limits *l);
+/** Least cost, per end of a net, of what would take it away; appended to `cost`. */
+typedef TZ_ARRAY(double)
+tz_finish_costs;
+tz_status tz_finish_end_costs(const tz_net *n, const tz_finish_limits *l,
+                              tz_finish_costs *cost);
 /** Ends: gaps closed and stubs removed, the worst first, until there are no more than
  * `most`. */
 tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most);

@@ -138,7 +138,20 @@ static tz_status add_points(tz_net *n, int32_t end, double *along)
     return s;
 }
 
-static tz_status find_points(tz_net *n)
+/* Length of a piece's chords whose middles lie off the border. */
+static double inner_length(const tz_net *n, int32_t piece, double margin)
+{
+    double sum = 0;
+    for (int32_t i = n->at[piece]; i + 1 < n->at[piece + 1]; i++) {
+        const tz_vec2 p = n->point.v[i].at, q = n->point.v[i + 1].at;
+        const tz_vec3 mid = {(p.x + q.x) / 2, (p.y + q.y) / 2, 0};
+        if (tz_domain_depth(&n->set.domain, mid) > margin)
+            sum += tz_vec2_length(tz_vec2_sub(p, q));
+    }
+    return sum;
+}
+
+static tz_status find_points(tz_net *n, double margin)
 {
     const tz_domain *d = &n->set.domain;
     int32_t id;
@@ -158,8 +171,6 @@ static tz_status find_points(tz_net *n)
             by[end >> 1] = end;
             along += tz_bezier_length(&b);
         }
-        n->length +=
-            tz_net_fixed(n, n->step.v[n->edge.v[i].step] >> 1) ? 0 : n->edge.v[i].length;
     }
     for (int32_t i = 0; i < n->set.piece.n && s == TZ_OK; i++) {
         n->at[i] = n->point.n;
@@ -172,6 +183,8 @@ static tz_status find_points(tz_net *n)
     if (s != TZ_OK)
         return s;
     n->at[n->set.piece.n] = n->point.n;
+    for (int32_t i = 0; i < n->set.piece.n; i++)
+        n->length += tz_net_fixed(n, i) ? 0 : inner_length(n, i, margin);
     s = tz_grid_init(n->ctx, &n->grid, (tz_vec2){0, 0}, (tz_vec2){d->size.x, d->size.y},
                      fmax(2 * n->spacing, hypot(d->size.x, d->size.y) / 4000), d->torus);
     for (int32_t i = 0; i < n->point.n && s == TZ_OK; i++) {
@@ -183,7 +196,7 @@ static tz_status find_points(tz_net *n)
 }
 
 tz_status tz_net_init(tz_ctx *ctx, tz_curve_set *joined, int32_t fixed, double spacing,
-                      tz_net *n)
+                      double margin, tz_net *n)
 {
     *n = (tz_net){.ctx = ctx, .set = *joined, .fixed = fixed, .spacing = spacing};
     memset(joined, 0, sizeof *joined);
@@ -193,7 +206,7 @@ tz_status tz_net_init(tz_ctx *ctx, tz_curve_set *joined, int32_t fixed, double s
         s = find_edges(n);
     if (s == TZ_OK)
         s = find_parts(n);
-    return s == TZ_OK ? find_points(n) : s;
+    return s == TZ_OK ? find_points(n, margin) : s;
 }
 
 void tz_net_deinit(tz_net *n)
