@@ -168,7 +168,7 @@ static tz_status cut_patch(cutting *c)
     for (int32_t i = 0; i < set->path.n && st == TZ_OK; i++) {
         const int32_t thing = c->s->object[i];
         c->whole = false;
-        if (thing >= 0 && !inside(c, c->s->centre[thing]))
+        if (thing == QUILT_REST || (thing >= 0 && !inside(c, c->s->centre[thing])))
             continue;
         c->whole = thing >= 0;
         st = walk_path(c, i);

@@ -26,6 +26,9 @@ enum {
     QUILT_OUTSIDE = -3  /* places beyond a plain domain */
 };
 
+/* In quilt_source.object: what the border has left of a thing, which is not laid. */
+enum { QUILT_REST = -2 };
+
 /* A point of a line. */
 typedef struct quilt_dab {
     tz_vec2 at;
@@ -62,6 +65,7 @@ typedef struct quilt_source {
     float *feature;       /* [(y fx + x) QUILT_CHANNELS + channel] */
     uint8_t *valid;       /* [y fx + x]: may be copied */
     int32_t fx, fy;
+    bool loops;      /* nearly all of it are loops by themselves */
     double largest;  /* sides of things are below */
     int32_t *object; /* per path: thing that it is part of, or -1 */
     int32_t objects;

@@ -408,6 +408,26 @@ static void align(const quilt_source *s, const quilt_map *m, const quilt_place *
 
 /* ---- the cut ------------------------------------------------------------------------ */
 
+/* Steps to where nothing lies yet cost as if it went on there: else seams would run
+ * along that border, where only one side counts. */
+static void extend(const quilt_map *m, quilt_window *w)
+{
+    for (int32_t j = 0; j < w->h; j++)
+        for (int32_t i = 0; i < w->w; i++) {
+            static const int8_t step[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+            const ptrdiff_t here = (ptrdiff_t)j * w->w + i, at = cell_at(m, w, i, j);
+            if (at < 0 || m->label[at] != QUILT_NONE)
+                continue;
+            for (int d = 0; d < 4; d++) {
+                const int32_t x = i + step[d][0], y = j + step[d][1];
+                const ptrdiff_t to =
+                    x < 0 || y < 0 || x >= w->w || y >= w->h ? -1 : cell_at(m, w, x, y);
+                if (to >= 0 && m->label[to] != QUILT_NONE)
+                    w->off[here] = fmaxf(w->off[here], w->off[(ptrdiff_t)y * w->w + x]);
+            }
+        }
+}
+
 /* How far old and fresh lines differ in each cell; cells that the exemplar has nothing
  * for are closed to it. */
 static void compare(const quilt_source *s, const quilt_map *m, const quilt_patch *p,
@@ -440,6 +460,7 @@ static void compare(const quilt_source *s, const quilt_map *m, const quilt_patch
                 sum += find_line(w, w->old, rim, w->fresh[rim].spot[k], &across);
             w->off[here] = sum;
         }
+    extend(m, w);
 }
 
 /* What seams cost that would be laid over. */

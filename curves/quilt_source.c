@@ -128,7 +128,7 @@ static void measure(quilt_source *s, const tz_curve_quilt_params *p)
         fmin((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / fmax(length, 1e-9), side);
     s->cell = fmin(fmax(s->spacing / 3.5, side / 128), side / 64);
     s->patch = (p->patch > 0 ? p->patch : 0.5) * side;
-    s->coarse = s->patch / 24;
+    s->coarse = fmin(fmax(s->spacing / 1.5, s->patch / 40), s->patch / 24);
 }
 
 /* ---- things ------------------------------------------------------------------------- */
@@ -145,6 +145,7 @@ static int32_t root(int32_t *up, int32_t i)
 typedef struct thing {
     tz_vec2 lo, hi;
     bool is;    /* small, and not cut by the border */
+    bool cut;   /* small, but cut by the border: what is left of a thing */
     bool plain; /* strokes alone: nothing branches, nothing closes */
     int32_t id;
 } thing;
@@ -154,7 +155,8 @@ static void box_things(const quilt_source *s, int32_t *up, thing *t)
 {
     const tz_curve_set *set = s->set;
     for (int32_t i = 0; i < set->node.n; i++)
-        t[i] = (thing){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, false, true, -1};
+        t[i] =
+            (thing){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, false, false, true, -1};
     for (int32_t i = 0; i < set->piece.n; i++) {
         thing *b = &t[root(up, set->piece.v[i].from)];
         const tz_vec2 lo = s->box[2 * (ptrdiff_t)i], hi = s->box[2 * (ptrdiff_t)i + 1];
@@ -170,10 +172,13 @@ static void box_things(const quilt_source *s, int32_t *up, thing *t)
     const double rim = s->cell / 4;
     for (int32_t i = 0; i < set->node.n; i++) {
         const double most = t[i].plain ? fmax(s->largest, 0.5 * s->patch) : s->largest;
-        t[i].is = t[i].id == 0 && t[i].hi.x - t[i].lo.x < most &&
-                  t[i].hi.y - t[i].lo.y < most && t[i].lo.x > rim && t[i].lo.y > rim &&
-                  t[i].hi.x < set->domain.size.x - rim &&
-                  t[i].hi.y < set->domain.size.y - rim;
+        const bool small =
+            t[i].id == 0 && t[i].hi.x - t[i].lo.x < most && t[i].hi.y - t[i].lo.y < most;
+        const bool whole = t[i].lo.x > rim && t[i].lo.y > rim &&
+                           t[i].hi.x < set->domain.size.x - rim &&
+                           t[i].hi.y < set->domain.size.y - rim;
+        t[i].is = small && whole;
+        t[i].cut = small && !whole && s->loops;
     }
 }
 
@@ -188,14 +193,14 @@ static tz_status merge_things(quilt_source *s, int32_t *up, thing *t)
     of = {0};
     double reach = 0;
     for (int32_t i = 0; i < n; i++)
-        if (t[i].is)
+        if (t[i].is || t[i].cut)
             reach = fmax(reach, fmax(t[i].hi.x - t[i].lo.x, t[i].hi.y - t[i].lo.y));
     if (reach == 0)
         return TZ_OK;
     tz_status st =
         tz_grid_init(s->ctx, &grid, s->lo, tz_vec2_sub(s->hi, s->lo), reach, false);
     for (int32_t i = 0; i < n && st == TZ_OK; i++)
-        if (t[i].is && root(up, i) == i) {
+        if ((t[i].is || t[i].cut) && root(up, i) == i) {
             st = tz_grid_add(s->ctx, &grid,
                              tz_vec2_scale(tz_vec2_add(t[i].lo, t[i].hi), 0.5), &id);
             if (st == TZ_OK)
@@ -222,9 +227,10 @@ static tz_status merge_things(quilt_source *s, int32_t *up, thing *t)
     return st;
 }
 
-/* How large a thing may be. Loops by themselves are things even if they are large, where
- * most of the drawing is of that sort (wheels, not hills with contour lines). */
-static double largest_thing(const quilt_source *s)
+/* Loops by themselves are things even if they are large, where most of the drawing is of
+ * that sort (wheels, not hills with contour lines). What the border has left of a thing
+ * is then not laid at all. */
+static bool made_of_loops(const quilt_source *s)
 {
     double closed = 0, all = 0;
     for (int32_t i = 0; i < s->set->path.n; i++) {
@@ -236,7 +242,7 @@ static double largest_thing(const quilt_source *s)
             closed += p->closed ? n : 0;
         }
     }
-    return (closed > 0.6 * all ? 0.75 : 0.3) * s->patch;
+    return closed > 0.6 * all;
 }
 
 static tz_status find_things(quilt_source *s)
@@ -253,7 +259,8 @@ static tz_status find_things(quilt_source *s)
         st = tz_alloc_zero(s->ctx, &s->centre, (size_t)set->node.n, sizeof *s->centre);
     if (st != TZ_OK)
         goto done;
-    s->largest = largest_thing(s);
+    s->loops = made_of_loops(s);
+    s->largest = (s->loops ? 0.75 : 0.3) * s->patch;
     for (int32_t i = 0; i < set->node.n; i++)
         up[i] = i;
     for (int32_t i = 0; i < set->piece.n; i++) {
@@ -268,7 +275,7 @@ static tz_status find_things(quilt_source *s)
     box_things(s, up, t);
     for (int32_t i = 0; i < set->path.n; i++) {
         thing *a = &t[root(up, set->piece.v[set->path.v[i].piece].from)];
-        s->object[i] = -1;
+        s->object[i] = a->cut ? QUILT_REST : -1;
         if (!a->is)
             continue;
         if (a->id == 0) {
@@ -323,6 +330,8 @@ static tz_status make_dabs(quilt_source *s)
     for (int32_t i = 0; i < set->path.n && st == TZ_OK; i++) {
         const tz_curve_path *p = &set->path.v[i];
         const uint8_t pen = (uint8_t)(p->pen < 254 ? p->pen + 1 : 255);
+        if (s->object[i] == QUILT_REST)
+            continue;
         for (int32_t k = p->piece; k < p->piece + p->pieces && st == TZ_OK; k++) {
             const tz_bezier b = tz_curve_bezier(set, &set->piece.v[k]);
             const double n = fmin(ceil(tz_bezier_length(&b) / (s->cell / 3)), MOST);
