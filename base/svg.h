@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * SVG documents in and out. Reading goes through libxml2 with entities, network and huge
- * nodes switched off, and with limits on nodes, depth and text. Writing is streamed text.
- */
+ * SVG documents in and out. Reading goes through libxml2 with entities and network switched
+ * off, and with limits of our own on nodes, depth and text. Writing is streamed text. */
 #ifndef TZ_BASE_SVG_H
 #define TZ_BASE_SVG_H
 

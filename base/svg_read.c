@@ -2,7 +2,9 @@
 /* Reading SVG through libxml2. Limits are kept while parsing: our SAX call-backs count
  * elements and depth and refuse entity declarations, then hand on to libxml2's own, which
  * build the tree. Without declared entities only the five of XML itself can occur, so
- * XML_PARSE_NOENT is safe here and gives each attribute as one piece of text. */
+ * XML_PARSE_NOENT is safe here and gives each attribute as one piece of text; and since
+ * size, elements and depth are counted here, libxml2's own limits (10 MB of text in one
+ * piece, or behind another) are lifted by XML_PARSE_HUGE. */
 #include <libxml/parser.h>
 #include <libxml/parserInternals.h>
 #include <libxml/tree.h>
@@ -154,10 +156,10 @@ tz_status tz_svg_parse(tz_ctx *ctx, const char *name, const char *text, size_t s
     p->sax->startElementNs = on_start;
     p->sax->endElementNs = on_end;
     p->sax->entityDecl = on_entity;
-    doc->xml = xmlCtxtReadMemory(p, text, (int)size, NULL, NULL,
-                                 XML_PARSE_NOENT | XML_PARSE_NONET | XML_PARSE_NOERROR |
-                                     XML_PARSE_NOWARNING | XML_PARSE_BIG_LINES |
-                                     XML_PARSE_COMPACT | XML_PARSE_NOCDATA);
+    doc->xml = xmlCtxtReadMemory(
+        p, text, (int)size, NULL, NULL,
+        XML_PARSE_NOENT | XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING |
+            XML_PARSE_BIG_LINES | XML_PARSE_COMPACT | XML_PARSE_NOCDATA | XML_PARSE_HUGE);
     const xmlNode *root = doc->xml ? xmlDocGetRootElement(doc->xml) : NULL;
     if (!doc->xml || w.why)
         s = report(ctx, name, p, &w);

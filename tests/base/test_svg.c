@@ -140,6 +140,28 @@ static void hostile(void **state)
     end_ctx(ctx);
 }
 
+/** Long paths and what stands behind them: layouts of many curves hold such. */
+static void long_attributes(void **state)
+{
+    (void)state;
+    enum { LONG = 12000000 };
+    tz_ctx *ctx = new_ctx(1);
+    tz_svg_doc *doc = NULL;
+    char *text = malloc(2 * LONG + 200), *p = text;
+    p += sprintf(p, HEAD "><g d='");
+    memset(p, '7', LONG);
+    p += LONG;
+    p += sprintf(p, "'/><g d='");
+    memset(p, '8', LONG);
+    p += LONG;
+    sprintf(p, "' id='last'/></svg>");
+    ok(ctx, parse(ctx, text, &doc));
+    assert_int_equal(strlen(tz_svg_attr(tz_svg_by_id(doc, "last"), "d")), LONG);
+    tz_svg_free(doc);
+    free(text);
+    end_ctx(ctx);
+}
+
 static void values(void **state)
 {
     (void)state;
@@ -281,10 +303,15 @@ static void path_failures_leave_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),   cmocka_unit_test(failures_leave_nothing),
-        cmocka_unit_test(hand_written), cmocka_unit_test(hostile),
-        cmocka_unit_test(values),       cmocka_unit_test(numbers_round_trip),
-        cmocka_unit_test(paths),        cmocka_unit_test(path_failures_leave_nothing),
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(failures_leave_nothing),
+        cmocka_unit_test(hand_written),
+        cmocka_unit_test(hostile),
+        cmocka_unit_test(long_attributes),
+        cmocka_unit_test(values),
+        cmocka_unit_test(numbers_round_trip),
+        cmocka_unit_test(paths),
+        cmocka_unit_test(path_failures_leave_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
