@@ -14,6 +14,7 @@
 #include "curves/predict_internal.h"
 
 #define REACH  1.1 /* of the distance from line to line: farthest pair */
+#define WITHIN 3.0 /* as much dearer are pairs of foretold ends */
 #define AHEAD  0.8 /* of it: farthest that an end is drawn on */
 #define FOLLOW 2.5 /* of it: W */
 
@@ -25,8 +26,10 @@ typedef struct loose {
     bool paired;
 } loose;
 
+/** The second moves onto the first, which is drawn, or foretold too. */
 typedef struct pair {
-    int32_t drawn, foretold;
+    int32_t to, from;
+    bool drawn;
     double cost;
 } pair;
 
@@ -84,7 +87,8 @@ static tz_status find_loose(const joiner *j, const tz_curve_set *s, double beyon
 
 /** How badly two ends go together; INFINITY: not at all. Sideways counts double; ends that
  * have run past each other are as near as ones that have not met. */
-static double cost_of(const joiner *j, const loose *a, const loose *b)
+static double cost_of(const joiner *j, const loose *a, const tz_curve_pen *p,
+                      const loose *b)
 {
     const tz_vec2 v =
         tz_vec2_sub(tz_curve_copy(&j->drawing->domain, b->at, a->at), a->at);
@@ -94,7 +98,7 @@ static double cost_of(const joiner *j, const loose *a, const loose *b)
     const double reach = REACH * j->spacing;
     if (tz_vec2_length(v) > reach || straight < 0.3 || side > 0.6 * reach)
         return INFINITY;
-    const tz_curve_pen *p = &j->drawing->pen.v[a->pen], *q = &j->set->pen.v[b->pen];
+    const tz_curve_pen *q = &j->set->pen.v[b->pen];
     const double pens = p->color != q->color || p->width != q->width ? reach : 0;
     return fabs(along) + 2 * side + (1 - straight) * j->spacing + pens;
 }
@@ -104,21 +108,39 @@ static int by_cost(const void *p, const void *q)
     const pair *a = p, *b = q;
     if (a->cost != b->cost)
         return a->cost < b->cost ? -1 : 1;
-    return a->drawn != b->drawn ? a->drawn - b->drawn : a->foretold - b->foretold;
+    if (a->drawn != b->drawn)
+        return a->drawn ? -1 : 1;
+    return a->to != b->to ? a->to - b->to : a->from - b->from;
 }
 
 static tz_status find_pairs(joiner *j)
 {
     tz_status s = TZ_OK;
-    for (int32_t a = 0; a < j->drawn.n && s == TZ_OK; a++)
-        for (int32_t b = 0; b < j->foretold.n && s == TZ_OK; b++) {
-            const pair p = {a, b, cost_of(j, &j->drawn.v[a], &j->foretold.v[b])};
+    for (int32_t b = 0; b < j->foretold.n; b++) {
+        for (int32_t a = 0; a < j->drawn.n && s == TZ_OK; a++) {
+            const loose *e = &j->drawn.v[a];
+            const pair p = {a, b, true,
+                            cost_of(j, e, &j->drawing->pen.v[e->pen], &j->foretold.v[b])};
             if (p.cost < INFINITY)
                 s = tz_array_push(j->ctx, &j->pair, p);
         }
+        for (int32_t a = 0; a < b && s == TZ_OK; a++) {
+            const loose *e = &j->foretold.v[a];
+            const pair p = {a, b, false,
+                            WITHIN *
+                                cost_of(j, e, &j->set->pen.v[e->pen], &j->foretold.v[b])};
+            if (e->node != j->foretold.v[b].node && p.cost < INFINITY)
+                s = tz_array_push(j->ctx, &j->pair, p);
+        }
+    }
     if (s == TZ_OK && j->pair.n > 0)
         qsort(j->pair.v, (size_t)j->pair.n, sizeof *j->pair.v, by_cost);
     return s;
+}
+
+static loose *first_of(joiner *j, const pair *p)
+{
+    return p->drawn ? &j->drawn.v[p->to] : &j->foretold.v[p->to];
 }
 
 /** Moves an end of a path, and the path behind it as far as it follows. */
@@ -179,6 +201,38 @@ static void align(joiner *j, const loose *a, const loose *b)
     }
 }
 
+/** Where the first end of a pair lies by now. */
+static tz_vec2 place_of(joiner *j, const pair *p)
+{
+    const loose *a = first_of(j, p);
+    return p->drawn ? a->at : j->set->node.v[a->node];
+}
+
+/** Two foretold ends become one node; the other one is dropped. */
+static tz_status merge(joiner *j)
+{
+    tz_curve_set *s = j->set, next;
+    bool any = false;
+    for (int32_t i = 0; i < j->pair.n; i++) {
+        const pair *p = &j->pair.v[i];
+        const loose *b = &j->foretold.v[p->from];
+        if (p->drawn || !(p->cost < INFINITY))
+            continue;
+        tz_curve_piece *q = &s->piece.v[b->piece];
+        *(b->first ? &q->from : &q->to) = first_of(j, p)->node;
+        any = true;
+    }
+    if (!any)
+        return TZ_OK;
+    const tz_status st =
+        tz_curve_choose(j->ctx, s, NULL, NULL, NULL, (tz_vec2){0, 0}, &next);
+    if (st == TZ_OK) {
+        tz_curve_set_deinit(s);
+        *s = next;
+    }
+    return st;
+}
+
 static tz_status join_pairs(joiner *j)
 {
     tz_vec2 *move = NULL;
@@ -186,10 +240,10 @@ static tz_status join_pairs(joiner *j)
     if (s != TZ_OK)
         return s;
     for (int32_t i = 0; i < j->pair.n; i++) {
-        loose *a = &j->drawn.v[j->pair.v[i].drawn],
-              *b = &j->foretold.v[j->pair.v[i].foretold];
+        pair *p = &j->pair.v[i];
+        loose *a = first_of(j, p), *b = &j->foretold.v[p->from];
         if (a->paired || b->paired) {
-            j->pair.v[i].cost = INFINITY;
+            p->cost = INFINITY;
             continue;
         }
         a->paired = b->paired = true;
@@ -200,17 +254,17 @@ static tz_status join_pairs(joiner *j)
     apply_moves(j, move);
     memset(move, 0, (size_t)j->set->node.n * sizeof *move);
     for (int32_t i = 0; i < j->pair.n; i++) {
-        const loose *a = &j->drawn.v[j->pair.v[i].drawn],
-                    *b = &j->foretold.v[j->pair.v[i].foretold];
+        const pair *p = &j->pair.v[i];
+        const loose *b = &j->foretold.v[p->from];
         const tz_vec2 now = j->set->node.v[b->node];
-        if (j->pair.v[i].cost < INFINITY)
-            move[b->node] = tz_vec2_sub(tz_curve_copy(&j->set->domain, a->at, now), now);
+        if (p->cost < INFINITY)
+            move[b->node] =
+                tz_vec2_sub(tz_curve_copy(&j->set->domain, place_of(j, p), now), now);
     }
     apply_moves(j, move);
     for (int32_t i = 0; i < j->pair.n; i++)
         if (j->pair.v[i].cost < INFINITY)
-            align(j, &j->drawn.v[j->pair.v[i].drawn],
-                  &j->foretold.v[j->pair.v[i].foretold]);
+            align(j, first_of(j, &j->pair.v[i]), &j->foretold.v[j->pair.v[i].from]);
     tz_free(j->ctx, move);
     return s;
 }
@@ -308,6 +362,8 @@ tz_status tz_predict_join(tz_ctx *ctx, const tz_curve_set *drawing, const tz_reg
             j.foretold.v[i].at = set->node.v[j.foretold.v[i].node];
             s = draw_on(&j, &j.foretold.v[i], true);
         }
+    if (s == TZ_OK)
+        s = merge(&j);
     if (s == TZ_OK)
         tz_curve_wrap(set);
     if (s == TZ_OK)
