@@ -43,6 +43,8 @@ void tz_fill_end(tz_fill *f)
     tz_array_free(ctx, &f->model);
     tz_array_free(ctx, &f->body);
     tz_array_free(ctx, &f->obstacle);
+    tz_array_free(ctx, &f->left);
+    tz_array_free(ctx, &f->changed);
     tz_array_free(ctx, &f->obstacle_sample);
     tz_array_free(ctx, &f->live);
     tz_array_free(ctx, &f->live_sample);

@@ -135,6 +135,9 @@ struct tz_fill {
     TZ_ARRAY(int32_t)
     live_node;
     bool all_live, stale; /**< lists need to be made */
+    bool local;           /**< only what brushes touched is awake */
+    TZ_ARRAY(int32_t)
+    left, changed; /**< samples gone since the last diagram; that it changes */
     /* of one iteration, a sample each */
     double *third;  /**< key of the third nearest */
     double *target; /**< m: direction said; size, density said */
@@ -200,6 +203,10 @@ tz_vec2 tz_fill_to_model(const tz_fill *f, int32_t body, tz_vec2 world, double *
 tz_status tz_fill_lists(tz_fill *f);
 /** Drops bodies that are gone and puts the others in an order of places. */
 tz_status tz_fill_pack(tz_fill *f, bool sort);
+
+/* fill_edit.c */
+/** A body leaves. */
+tz_status tz_fill_remove(tz_fill *f, int32_t body);
 
 /* fill_start.c */
 tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout);

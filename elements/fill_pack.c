@@ -88,6 +88,7 @@ tz_status tz_fill_pack(tz_fill *f, bool sort)
     memcpy(f->body.v, body, (size_t)n * sizeof *body);
     f->body.n = n, f->n = samples;
     f->stale = true, f->fresh = false;
+    f->left.n = 0;
     tz_power_free(f->power); /* its neighbours had other numbers */
     f->power = NULL;
     s = tz_power_new(f->ctx, &f->domain, &f->power);

@@ -354,7 +354,6 @@ static tz_status shrink_rest(repair *r)
 static tz_status drop_rest(repair *r)
 {
     tz_fill *f = r->f;
-    bool any = false;
     wake_every(r);
     tz_status s = tz_fill_blocks(f->ctx, f->live.n, find_pushes, r, NULL);
     for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
@@ -371,11 +370,9 @@ static tz_status drop_rest(repair *r)
         }
         if (!worst)
             continue;
-        f->body.v[i].gone = true;
+        s = tz_fill_remove(f, i);
         f->dropped++;
-        any = true;
     }
-    f->stale = f->stale || any;
     return s == TZ_OK ? tz_fill_lists(f) : s;
 }
 

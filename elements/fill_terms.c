@@ -49,10 +49,22 @@ tz_status tz_fill_diagram(tz_fill *f)
     } else {
         s = tz_fill_blocks(f->ctx, f->live_sample.n, weigh, f, NULL);
     }
+    if (s == TZ_OK && !all) {
+        s = tz_array_reserve(f->ctx, &f->changed, (int64_t)f->live_sample.n + f->left.n);
+        if (s == TZ_OK) {
+            f->changed.n = f->live_sample.n + f->left.n;
+            for (int32_t k = 0; k < f->live_sample.n; k++)
+                f->changed.v[k] = f->live_sample.v[k];
+            for (int32_t k = 0; k < f->left.n; k++)
+                f->changed.v[f->live_sample.n + k] = f->left.v[k];
+        }
+    }
     if (s == TZ_OK)
         s = all ? tz_power_update(f->power, f->n, f->at, f->weight)
-                : tz_power_change(f->power, f->n, f->at, f->weight, f->live_sample.n,
-                                  f->live_sample.v);
+                : tz_power_change(f->power, f->n, f->at, f->weight, f->changed.n,
+                                  f->changed.v);
+    if (s == TZ_OK)
+        f->left.n = 0;
     f->fresh = s == TZ_OK;
     return s;
 }
