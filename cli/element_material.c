@@ -192,9 +192,8 @@ static tz_status write_picture(tz_cli *cli, const tz_element_job *job,
     return s;
 }
 
-/* What lies beneath in another map: the ground's source i is the plate of photo i. */
-static tz_status make_plates(tz_cli *cli, const tz_element_material *m,
-                             const tz_image *maps, tz_image **out)
+tz_status tz_element_material_plates(tz_cli *cli, const tz_element_material *m,
+                                     const tz_image *maps, tz_image **out)
 {
     const int32_t n = m->ground.source.n;
     tz_status s = tz_alloc_zero(cli->ctx, out, (size_t)n, sizeof **out);
@@ -231,7 +230,7 @@ static tz_status render_one(tz_cli *cli, const tz_element_job *job, const tz_pic
             &m->photos.photo[i], m->photos.plate[i].px ? &m->photos.plate[i] : NULL,
             images ? &images[i] : NULL};
     if (s == TZ_OK && images && m->ground.place.n > 0)
-        s = make_plates(cli, m, images, &plates);
+        s = tz_element_material_plates(cli, m, images, &plates);
     const tz_element_ground ground = {&m->ground, plates ? plates : m->ground_photo,
                                       m->ground.source.n, job->compose};
     if (s == TZ_OK)

@@ -25,6 +25,11 @@ tz_status tz_element_material_read(tz_cli *cli, const char *document,
                                    tz_element_set *layout, tz_record *record,
                                    tz_element_material *m);
 void tz_element_material_free(tz_cli *cli, tz_element_material *m);
+/** What lies beneath in another map: the ground's source i is the plate of photo i.
+ * @param maps      one a photo
+ * @param[out] out  ground.source.n images, the caller's to free */
+tz_status tz_element_material_plates(tz_cli *cli, const tz_element_material *m,
+                                     const tz_image *maps, tz_image **out);
 
 /** Maps to render and pictures to make of a layout. In --maps, id, class, angle and uv name
  * the file that such a picture is written to; others are maps of the photo. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cli/exemplars.h"
+#include "cli/expand_curves.h"
 #include "cli/expand_elements.h"
 #include "cli/expand_plan.h"
 #include "cli/figures.h"
@@ -19,6 +20,10 @@ typedef struct values {
     tz_guide_params guides;
     tz_element_arrange_params elements;
     tz_element_render_params look;
+    tz_lines_params lines;
+    tz_curve_input_params input;
+    tz_curve_arrange_params curves;
+    tz_curve_render_params strokes;
     tz_rules_params rules;
     tz_enlarge_params growth;
     tz_arrange_params arrange;
@@ -161,27 +166,42 @@ static tz_status run_edges(tz_cli *cli)
     return s;
 }
 
-/** --as auto: what the photo is made of decides. */
-static tz_status run_decided(tz_cli *cli, const tz_expand_elements_job *job)
+/** --as auto: what the photo is made of decides; things come before lines. */
+static tz_status run_decided(tz_cli *cli, const tz_expand_elements_job *job,
+                             const tz_expand_curves_job *curve_job)
 {
     tz_element_exemplar found = {0};
-    tz_record record = {0};
-    bool elements = false;
+    tz_curve_exemplar lines = {0};
+    tz_record record = {0}, line_record = {0};
+    bool elements = false, curves = false;
     tz_status s = tz_expand_decide(cli, job, &record, &found, &elements);
     if (s == TZ_OK && elements)
         s = tz_expand_elements(cli, job, &found, &record);
     tz_element_exemplar_free(cli, &found);
     tz_record_free(cli, &record);
-    return s == TZ_OK && !elements ? run_edges(cli) : s;
+    if (s == TZ_OK && !elements)
+        s = tz_expand_decide_curves(cli, curve_job, &line_record, &lines, &curves);
+    if (s == TZ_OK && curves)
+        s = tz_expand_curves(cli, curve_job, &lines, &line_record);
+    tz_curve_exemplar_free(cli, &lines);
+    tz_record_free(cli, &line_record);
+    return s == TZ_OK && !elements && !curves ? run_edges(cli) : s;
 }
 
 static tz_status run(tz_cli *cli)
 {
     values *v = cli->values;
+    v->strokes.scale = v->look.scale;
     const tz_expand_elements_job job = {
         &v->own,      v->output.output, v->map_output.map_output,
         v->maps.maps, &v->medium,       &v->things,
         &v->guides,   &v->elements,     &v->look,
+        &v->compose,  &v->format,       &v->analyze,
+        &v->arrange,  v->growth.grow};
+    const tz_expand_curves_job curves = {
+        &v->own,      v->output.output, v->map_output.map_output,
+        v->maps.maps, &v->input,        &v->lines,
+        &v->guides,   &v->curves,       &v->strokes,
         &v->compose,  &v->format,       &v->analyze,
         &v->arrange,  v->growth.grow};
     tz_as as;
@@ -190,8 +210,10 @@ static tz_status run(tz_cli *cli)
         return s;
     if (as == TZ_AS_ELEMENTS)
         return tz_expand_elements(cli, &job, NULL, NULL);
+    if (as == TZ_AS_CURVES)
+        return tz_expand_curves(cli, &curves, NULL, NULL);
     const bool ask = v->medium.as == TZ_AS_AUTO && !tz_path_is_svg(cli->operand[0]);
-    return ask ? run_decided(cli, &job) : run_edges(cli);
+    return ask ? run_decided(cli, &job, &curves) : run_edges(cli);
 }
 
 static const tz_option_group groups[] = {
@@ -205,6 +227,10 @@ static const tz_option_group groups[] = {
     {&tz_guide_param_table, offsetof(values, guides), true},
     {&tz_element_arrange_param_table, offsetof(values, elements), true},
     {&tz_element_render_param_table, offsetof(values, look), true},
+    {&tz_lines_param_table, offsetof(values, lines), true},
+    {&tz_curve_input_param_table, offsetof(values, input), true},
+    {&tz_curve_arrange_param_table, offsetof(values, curves), true},
+    {&tz_curve_render_param_table, offsetof(values, strokes), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
     {&tz_enlarge_param_table, offsetof(values, growth), false},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
@@ -222,6 +248,8 @@ static const tz_example examples[] = {
     {"Keep the layout, edit it in Inkscape, and render it again:",
      "terrazzo expand mossy_bark.jpg -o bark.png --save-layout bark.svg && "
      "terrazzo render bark.svg -o bark_edited.png"},
+    {"The cracks of a rock, arranged anew with the stone between them:",
+     "terrazzo expand mud.png -o mud_big.png --as curves --seed 3"},
     {"To another program:",
      "terrazzo expand grass.png -o - --format png --quiet | display -"},
 };
@@ -238,7 +266,10 @@ const tz_command tz_expand_command = {
         "and "
         "drawn over the ground beneath them; --as auto looks at the photo and says what "
         "it "
-        "takes it as, and why. Drawings are always elements.\n\n"
+        "takes it as, and why. Drawings are elements where nothing else is said.\n\n"
+        "With --as curves the lines of a photo (cracks, veins, joints) or the strokes of "
+        "a "
+        "drawing are arranged; the lines of a photo take along what lies beside them.\n\n"
         "A photo may also be an exemplar that analyze has written (its name ends in "
         ".svg). "
         "Several photos mix in one texture; --rules says where each of them goes.",

@@ -5,6 +5,7 @@
 #include "cli/exemplars.h"
 #include "cli/figures.h"
 #include "cli/material.h"
+#include "cli/render_curves.h"
 #include "cli/render_elements.h"
 
 typedef struct values {
@@ -14,6 +15,7 @@ typedef struct values {
     tz_maps_params maps;
     tz_compose_params compose;
     tz_element_render_params look;
+    tz_curve_render_params lines;
     tz_format_params format;
 } values;
 
@@ -146,7 +148,11 @@ static tz_status run_edges(tz_cli *cli)
 
 static tz_status run(tz_cli *cli)
 {
-    const values *v = cli->values;
+    values *v = cli->values;
+    v->lines.scale = v->look.scale;
+    const tz_render_curves_job curves = {v->output.output, v->map_output.map_output,
+                                         v->maps.maps,     &v->compose,
+                                         &v->lines,        &v->format};
     const tz_render_elements_job job = {v->output.output, v->map_output.map_output,
                                         v->maps.maps,     &v->compose,
                                         &v->look,         &v->format};
@@ -156,6 +162,8 @@ static tz_status run(tz_cli *cli)
     tz_status s = tz_document_kind(cli, cli->operand[0], kind);
     if (s != TZ_OK)
         return s;
+    if (strcmp(kind, "curves") == 0)
+        return tz_render_curves(cli, &curves);
     const bool drawing = !*kind && tz_path_is_svg(cli->operand[0]);
     return drawing || strcmp(kind, "elements") == 0 ? tz_render_elements(cli, &job)
                                                     : run_edges(cli);
@@ -168,6 +176,7 @@ static const tz_option_group groups[] = {
     {&tz_maps_param_table, offsetof(values, maps), true},
     {&tz_compose_param_table, offsetof(values, compose), true},
     {&tz_element_render_param_table, offsetof(values, look), true},
+    {&tz_curve_render_param_table, offsetof(values, lines), true},
     {&tz_format_param_table, offsetof(values, format), true},
 };
 static const tz_example examples[] = {
@@ -192,7 +201,11 @@ const tz_command tz_render_command = {
         "photo with soft borders and their shadows over the synthesized ground. In "
         "--maps, "
         "id, class, angle and uv name the files that pictures of which element lies "
-        "where, its class, angle and place in the photo are written to.",
+        "where, its class, angle and place in the photo are written to.\n\n"
+        "A layout of curves is drawn with the strokes of its pens, or shows its lines in "
+        "the pixels of the photo that they were found in. In --maps, id, distance and "
+        "along name the files that pictures of which line is nearest, how far it is off "
+        "and how far along it that is are written to.",
     .min_operands = 1,
     .max_operands = 1,
     .group = groups,

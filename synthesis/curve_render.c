@@ -7,18 +7,16 @@
 #include "synthesis/curve_strip_internal.h"
 
 static const tz_param rows[] = {
-    {"curve-resolution", TZ_PARAM_DOUBLE, offsetof(tz_curve_render_params, scale), 1e-6,
-     1e6, "1", "px", NULL, "Pixels that a user unit of a layout of curves becomes"},
     {"curve-source", TZ_PARAM_ENUM, offsetof(tz_curve_render_params, source), 0, 2,
      "auto", "", "auto|strokes|photo",
      "What lines are drawn with: the photo that they were found in, or strokes of their "
      "pens; auto = the photo where there is one"},
-    {"strip", TZ_PARAM_DOUBLE, offsetof(tz_curve_render_params, strip), -1, 4096, "-1",
-     "px", NULL,
+    {"curve-strip", TZ_PARAM_DOUBLE, offsetof(tz_curve_render_params, strip), -1, 4096,
+     "-1", "px", NULL,
      "How far to either side of a line its photo is carried along, photo px over half "
      "its "
      "width; -1 = up to half a cell"},
-    {"line-width", TZ_PARAM_DOUBLE, offsetof(tz_curve_render_params, width), 1e-3, 1e3,
+    {"curve-width", TZ_PARAM_DOUBLE, offsetof(tz_curve_render_params, width), 1e-3, 1e3,
      "1", "", NULL, "Factor of the widths of strokes"},
 };
 
@@ -101,7 +99,12 @@ static tz_status settle_source(tz_ctx *ctx, tz_curve_composer *c,
                                const tz_element_pixels *photo)
 {
     const bool there = photo && photo->photo;
-    c->photo = c->params.source == 2 || (c->params.source == 0 && there);
+    const tz_vec3 size = c->set->domain.size;
+    /* without origins it must be the photo's own lines */
+    const bool knows =
+        there && (c->set->origin.n > 0 ||
+                  (photo->photo->width == size.x && photo->photo->height == size.y));
+    c->photo = c->params.source == 2 || (c->params.source == 0 && knows);
     if (!c->photo)
         return TZ_OK;
     if (!there)
@@ -179,6 +182,8 @@ tz_status tz_curve_composer_new(tz_ctx *ctx, const tz_element_ground *ground,
     tz_params_default(&tz_curve_render_param_table, &c->params);
     if (params)
         c->params = *params;
+    if (c->params.scale == 0)
+        c->params.scale = 1;
     s = check_canvas(ctx, c);
     if (s == TZ_OK && set->element.photo.n > 0)
         s = tz_alloc_zero(ctx, &photos, (size_t)set->element.photo.n, sizeof *photos);

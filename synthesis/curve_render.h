@@ -28,7 +28,8 @@
 
 /** Table: tz_curve_render_param_table. */
 typedef struct tz_curve_render_params {
-    double scale;   /**< px of the canvas a user unit, > 0 */
+    double scale;   /**< px of the canvas a user unit; 0 = 1. Not in the table: commands
+                         have one resolution for all that they draw */
     int32_t source; /**< 0 automatic: the photo where there is one; 1 strokes; 2 photo */
     double strip; /**< photo px to either side of a line that it carries along, over half
                           its width; < 0 = automatic: up to half a cell */
