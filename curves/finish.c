@@ -12,6 +12,7 @@
 #include "curves/finish_internal.h"
 
 enum { ROUNDS = 10 };
+#define JOIN   0.02 /* of delta: what is so near touches */
 #define MARGIN 0.1  /* of delta */
 #define REACH  1.25 /* of delta */
 #define GROWTH 1.4  /* of the reach where the exemplar has no ends, a round */
@@ -26,6 +27,13 @@ static double finest(const tz_curve_set *s)
 {
     const tz_sample_levels l = tz_sample_levels_default(s);
     return l.spacing[l.levels - 1];
+}
+
+/* Thick lines that lie beside each other are not to be taken for one. */
+static tz_curve_join_params join_within(const tz_curve_set *s, double delta)
+{
+    return (tz_curve_join_params){.crossings = true,
+                                  .reach = fmin(tz_curve_reach(s), JOIN * delta)};
 }
 
 static int up(const void *a, const void *b)
@@ -149,8 +157,8 @@ static tz_status measure_bend(const tz_net *n, tz_finish_limits *l)
 tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
                             tz_finish_limits *out)
 {
-    const tz_curve_join_params join = {.crossings = true};
     const double delta = finest(exemplar);
+    const tz_curve_join_params join = join_within(exemplar, delta);
     tz_finish_limits l = {.delta = delta,
                           .margin = MARGIN * delta,
                           .branch = delta,
@@ -281,9 +289,9 @@ typedef struct finishing {
 } finishing;
 
 /* What has been added may touch something. Takes the set. */
-static tz_status rejoin(tz_curve_set *out, tz_curve_set *now)
+static tz_status rejoin(tz_curve_set *out, double delta, tz_curve_set *now)
 {
-    const tz_curve_join_params join = {.crossings = true};
+    const tz_curve_join_params join = join_within(out, delta);
     const tz_status s = tz_curve_join(out->ctx, out, &join, now);
     now->ctx = out->ctx;
     tz_curve_set_deinit(out);
@@ -323,7 +331,7 @@ static tz_status finish_round(finishing *f, bool first, bool *again)
         f->report.closed += e.closed;
         f->report.removed += e.removed;
         if (*again)
-            s = rejoin(&out, &f->now);
+            s = rejoin(&out, f->limit.delta, &f->now);
         else
             f->now = out;
     }
@@ -336,7 +344,6 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
                           const tz_curve_set *given, tz_curve_set *set,
                           tz_curve_finish_report *report)
 {
-    const tz_curve_join_params join = {.crossings = true};
     finishing f = {.ctx = ctx, .pens = set->pen.n};
     tz_curve_set all = {.ctx = ctx};
     bool again = true;
@@ -347,6 +354,7 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
     tz_status s = tz_finish_measure(ctx, exemplar, &f.limit);
     if (s == TZ_OK)
         s = put_together(given, set, &all);
+    const tz_curve_join_params join = join_within(set, f.limit.delta);
     if (s == TZ_OK)
         s = tz_curve_join(ctx, &all, &join, &f.now);
     f.now.ctx = ctx;

@@ -151,7 +151,7 @@ static tz_status add_joins(const tz_net *n, int32_t node, const tz_finish_limits
     double a = d > 0 ? tz_vec2_dot(u, v) / d : 1, b = d > 0 ? -tz_vec2_dot(w, v) / d : 1;
     double way = d;
     tz_vec2 at;
-    if (d <= TOUCH * l->delta && tz_vec2_dot(u, w) < 0.2)
+    if (d <= TOUCH * l->delta && tz_vec2_dot(u, w) < 0.2 && a > 0 && b > 0)
         a = b = 1;
     else if (l->straight) {
         const tz_vec2 from = n->set.node.v[node], to = tz_vec2_add(from, v);
