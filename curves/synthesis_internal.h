@@ -27,7 +27,7 @@ typedef struct tz_curve_lookup {
 
 typedef struct tz_curve_model {
     tz_sample_graph g;
-    bool *cut; /**< per sample: an end that only the exemplar's border makes */
+    bool *cut;    /**< per sample: an end that only the exemplar's border makes */
     double apart; /**< how near to each other its samples lie, up to the spacing: nine in
                        ten are no nearer */
     tz_curve_lookup look;
@@ -128,6 +128,9 @@ tz_status tz_curve_solve_place(tz_curve_solve *t, int32_t sample, tz_vec2 at);
 /** First graph of the first level (synthesis_start.c, synthesis_patches.c). */
 tz_status tz_curve_solve_start(tz_curve_solve *t);
 tz_status tz_curve_solve_patches(tz_curve_solve *t);
+/** Appends curves with origins, sampled where the exemplar is, with their matches
+ * (synthesis_trace.c). */
+tz_status tz_curve_solve_trace(tz_curve_solve *t, const tz_curve_set *from);
 /** The graph of the next level from that of the last (synthesis_start.c).
  * @param coarse  the exemplar of the level that t->o belongs to; t->x is the next */
 tz_status tz_curve_solve_refine(tz_curve_solve *t, const tz_curve_model *coarse);

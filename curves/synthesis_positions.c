@@ -6,8 +6,10 @@
  *      + sum over samples s:                        HOME |u(s)|^2
  *      + samples s beyond the border:               w(s) |u(s) - back(s)|^2
  *
+ *
  * with u the displacement of a sample and pull the offset that the match has less the
- * present one, so that a torus needs no special case. The second term makes the system
+ * present one, so that a torus needs no special case. Fixed samples, and those of given
+ * curves that are just as in the exemplar, have u = 0: what is right is not disturbed. The second term makes the system
  * definite and well conditioned whatever its size; conjugate gradients from u = 0 take
  * some dozen passes, each linear and the same at any number of threads: cheaper than to
  * factorise a matrix whose pattern changes each time.
@@ -21,6 +23,7 @@ enum { BLOCK = 1024, MOST_PASSES = 100 };
 #define HOME      0.5
 #define STIFF     4.0 /* of edges, against the vote of a neighbourhood */
 #define TOLERANCE 1e-6
+#define RIGHT     0.01 /* spacings a neighbour: what is no difference */
 
 /* (diagonal - weights) u = right. */
 typedef struct fit {
@@ -130,6 +133,14 @@ static bool edge_pull(const tz_curve_solve *t, int32_t s, const tz_curve_link *l
     return true;
 }
 
+/* Whether a sample of given curves, and all about it, is just as in the exemplar. */
+static bool is_right(const tz_curve_solve *t, int32_t s)
+{
+    const double held = t->m.ho.first[s + 1] - t->m.ho.first[s] + 1;
+    return t->p.start == TZ_CURVE_GIVEN && t->match.v[s] >= 0 &&
+           (double)t->cost[s] < RIGHT * held * t->o.spacing;
+}
+
 static void make_row(fit *f, int32_t s)
 {
     const tz_curve_solve *t = f->t;
@@ -170,7 +181,7 @@ static void make_row(fit *f, int32_t s)
     f->diagonal[s] = sum + HOME;
     f->inverse[s] = 1 / f->diagonal[s];
     f->r[s] = right;
-    if (t->o.sample.v[s].fixed) {
+    if (me->fixed || is_right(t, s)) {
         f->inverse[s] = 0;
         f->r[s] = (tz_vec2){0, 0};
     }

@@ -172,6 +172,22 @@ static tz_status scatter(tz_curve_solve *t)
     return s;
 }
 
+static tz_status start_given(tz_curve_solve *t, const tz_curve_set *start)
+{
+    tz_status s = TZ_OK;
+    if (start->piece.n == 0 || start->origin.n != start->piece.n) {
+        s = append_curves(t, start, false);
+    } else {
+        tz_curve_set things = *start; /* without its curves */
+        things.path.n = things.piece.n = things.node.n = 0;
+        things.taper.n = things.origin.n = 0;
+        s = tz_curve_solve_trace(t, start);
+        if (s == TZ_OK)
+            s = append_curves(t, &things, false);
+    }
+    return s == TZ_OK ? match_origins(t, start) : s;
+}
+
 tz_status tz_curve_solve_start(tz_curve_solve *t)
 {
     t->o = (tz_sample_graph){.ctx = t->ctx,
@@ -179,11 +195,8 @@ tz_status tz_curve_solve_start(tz_curve_solve *t)
                              .spacing = t->x->g.spacing,
                              .radius = t->x->g.radius};
     tz_status s = append_curves(t, t->job->given, true);
-    if (s == TZ_OK && t->p.start == TZ_CURVE_GIVEN) {
-        s = append_curves(t, t->job->start, false);
-        if (s == TZ_OK)
-            s = match_origins(t, t->job->start);
-    }
+    if (s == TZ_OK && t->p.start == TZ_CURVE_GIVEN)
+        s = start_given(t, t->job->start);
     if (s == TZ_OK && t->p.start == TZ_CURVE_NOISE)
         s = scatter(t);
     if (s == TZ_OK && t->p.start == TZ_CURVE_PATCHES)
