@@ -5,7 +5,8 @@
 #   tests/bench.sh BUILDDIR [SECTION...]
 #
 # Sections: analyze, edges, render, arrange, expand, scores, elements (growth, the energy
-# solver), likeness (layouts of elements against their drawings), things (photo to elements),
+# solver), likeness (layouts of elements against their drawings), curves (layouts of curves
+# against theirs, and lines of photos; speed), things (photo to elements),
 # drawings (elements to pixels), others (layout documents, the measures themselves); huge (32,768 x 32,768 px, writes some
 # 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
 # BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
@@ -18,7 +19,7 @@ build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
 shift
 sections=("$@")
 [ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores elements likeness
-    things drawings others)
+    curves things drawings others)
 terrazzo=$build/bin/terrazzo
 tools=$build/tests
 out=$build/bench
@@ -356,6 +357,85 @@ bench_likeness() {
         density overlaps_exemplar overlaps hole_exemplar hole <"$out/lines"
 }
 
+# curve_row NAME EXEMPLAR METHOD : one line of figures of a layout of nine times the area
+curve_row() {
+    local made json seconds
+    made=$("$terrazzo" arrange "$2" --as curves -o "$out/$1-$3.svg" --grow 3 \
+        --curve-method "$3" --quiet --json 2>"$out/errors") || {
+        printf '  %-24s %s\n' "$1" "$(head -n 1 "$out/errors")" >&2
+        return 1
+    }
+    json=$("$terrazzo" compare "$2" "$out/$1-$3.svg" --as curves --json) || return 1
+    seconds=$(number total "$made")
+    echo "$1 $3 $seconds $(number mean "$json") $(number length-exemplar "$json")" \
+        "$(number length "$json") $(number dangling-exemplar "$json")" \
+        "$(number dangling "$json") $(number degree-off "$json")" \
+        "$(number repeats-exemplar "$json") $(number repeats "$json")"
+}
+
+# drawings of lines, and the lines of photos (made once)
+curve_exemplars() {
+    local f to name folder=$here/../../shared/exemplars/svg
+    for name in lattice_stained_glass network_circuit_board network_streets_chicago \
+        contours_topography wood_grain gears_floating_cogs memphis_mixed; do
+        [ ! -f "$folder/$name.svg" ] || echo "$folder/$name.svg"
+    done
+    echo "$here/../data/exemplars/noodles.svg"
+    echo "$here/../data/exemplars/current.svg"
+    for f in "${photos[@]}"; do
+        name=$(basename "${f%.*}")
+        case $name in
+        cracked_rock | veined_slate | onyx_swirl | stone_wall | brick_gray | \
+            volcanic_stone_cells | mossy_rock_slabs | cobblestone_pavement)
+            to=$out/lines-$name.svg
+            "$terrazzo" analyze "$f" --as curves -o "$to" --quiet 2>/dev/null
+            [ ! -s "$to" ] || echo "$to" ;;
+        esac
+    done
+}
+
+bench_curves() {
+    title "curves: layouts of nine times the area against their drawings and the lines of photos, as
+compare measures (goals: mean ratio under 1.3, length per area within 5 %, no more dangling
+ends per length, node degrees within 5 %)"
+    local f method seconds exemplars
+    mapfile -t exemplars < <(curve_exemplars)
+    : >"$out/lines"
+    for f in "${exemplars[@]}"; do
+        for method in auto quilt optimise; do
+            curve_row "$(basename "${f%.svg}")" "$f" "$method" >>"$out/lines" || break
+        done
+    done
+    awk 'BEGIN { printf "  %-26s %-9s %7s %6s %7s %17s %7s %15s  %s\n", "drawing", "method",
+                 "s", "mean", "length", "dangling", "degrees", "repeats", "goals" }
+         { length_ratio = $5 > 0 ? $6 / $5 : 0
+           met = $4 < 1.3 && length_ratio > 0.95 && length_ratio < 1.05 &&
+                 $8 <= $7 * 1.000001 && $9 <= 0.05
+           count[$2] += met; means[$2] += $4 < 1.3; all[$2]++
+           printf "  %-26s %-9s %7.2f %6.2f %7.3f %8.5f %8.5f %7.3f %7.3f %7.3f  %s\n", $1, $2, $3,
+               $4, length_ratio, $7, $8, $9, $10, $11, met ? "met" : "MISSED" }
+         END { for (m in all) printf "  %-9s %d of %d meet all; mean ratio under 1.3: %d\n", m,
+                   count[m], all[m], means[m] }' "$out/lines"
+    rows curves drawing method seconds mean length_exemplar length dangling_exemplar \
+        dangling degree_off repeats_exemplar repeats <"$out/lines"
+    echo
+    echo "  time against samples, optimised (goals: 1,300 samples in 1 s, 20,000 under 30 s, linear)"
+    f=${exemplars[0]}
+    : >"$out/lines-speed"
+    for method in 1 2 4 8; do
+        made=$("$terrazzo" arrange "$f" --as curves -o "$out/speed.svg" --grow "$method" \
+            --curve-method optimise --quiet --json) || return 1
+        echo "$(basename "${f%.svg}") $method $(number samples "$made") $(number solve "$made")" \
+            "$(number finish "$made") $(number compare "$made")" \
+            "$(number cpu_seconds "$made") $(number memory_peak "$made")" >>"$out/lines-speed"
+    done
+    awk '{ printf "  %-26s %dx  %6d samples  solve %7.2f s  %7.3f ms a sample  finish %6.2f s  measure %5.2f s  cpu %7.2f s  %4d MiB\n",
+           $1, $2, $3, $4, 1000 * $4 / $3, $5, $6, $7, $8 / 1048576 }' "$out/lines-speed"
+    rows curves-speed drawing grow samples solve finish measure cpu peak <"$out/lines-speed"
+    echo
+    "$tools/bench_curves" "${exemplars[0]}" | sed 's/^/  /'
+}
+
 bench_things() {
     title "things: photo to elements, against the known pieces of scenes (IoU 0.5), and the
 watershed on distances from thresholded pixels"
@@ -406,7 +486,7 @@ line=$(machine)
 echo "bench: $line"
 for section in "${sections[@]}"; do
     case $section in
-    analyze | edges | render | arrange | expand | scores | elements | likeness | things | \
+    analyze | edges | render | arrange | expand | scores | elements | likeness | curves | things | \
         drawings | others | huge)
         "bench_$section" || { echo "  $section failed"; failed=1; } ;;
     *) echo "bench: no section $section" >&2; exit 2 ;;
@@ -414,8 +494,8 @@ for section in "${sections[@]}"; do
 done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
-    for section in analyze edges render arrange expand scores elements likeness others \
-        huge; do
+    for section in analyze edges render arrange expand scores elements likeness curves \
+        curves-speed others huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'
