@@ -37,7 +37,7 @@ const tz_param_table tz_lines_param_table = {"lines", "Finds the lines of a phot
 #define AREA   0.5  /* of the strength of lines: what they run through */
 #define PROOF  12   /* px of a line as strong again as it must be */
 #define LENGTH 8    /* shortest line, px */
-#define HOLE   80   /* px that no line runs around */
+#define HOLE   100  /* px that no line runs around */
 #define EDGE   10   /* edges weaker than that are nothing, of 100 */
 #define BROKEN 0.45 /* share of ends that meet others: less is no network */
 #define BETTER 0.25 /* so much more of them with borders: these it is */
@@ -88,7 +88,6 @@ static tz_status look(search *f)
 /* The lines of a field, as they run: nothing is joined yet. */
 static tz_status follow(search *f, track *t)
 {
-    const ptrdiff_t n = (ptrdiff_t)t->field.map.width * t->field.map.height;
     const double side = f->side, length = f->p->length > 0 ? f->p->length / side : LENGTH;
     tz_status s = t->field.edge ? TZ_OK : tz_line_along(f->ctx, &t->field);
     if (s == TZ_OK)
@@ -98,9 +97,7 @@ static tz_status follow(search *f, track *t)
     t->tidy.low = tz_line_part(&t->field) * exp2(4 * (f->p->strength - 0.5));
     t->tidy.length = length;
     t->tidy.proof = PROOF * t->tidy.low;
-    for (ptrdiff_t i = 0; i < n; i++)
-        t->field.map.on[i] = t->field.map.response[i] >= AREA * t->tidy.low;
-    s = tz_line_fill_holes(&t->field, HOLE);
+    s = tz_line_crest(&t->field, AREA * t->tidy.low, HOLE);
     if (s == TZ_OK)
         s = tz_edge_map_thin(&t->field.map);
     if (s == TZ_OK)
@@ -150,7 +147,7 @@ static tz_status answer(search *f)
     tz_line_field field[2];
     if (!(width[1] > 0)) {
         width[0] = 2;
-        width[1] = fmin(16, fmax(4, fmin(w, h) / 32.0));
+        width[1] = fmin(16, fmax(4, fmin(w, h) / 16.0));
     }
     for (int k = 0; k < 2; k++) {
         tz_line_field_deinit(f->ctx, &f->track[k].field);

@@ -2,7 +2,7 @@
 /* Gaps. An end looks ahead, as far as gaps may be, for the point of a line that it most
  * likely runs on to:
  *
- *     cost = gap / widest * (1 + 2 (1 - cos a)) * (1 + 2 (1 - cos b)) * (1.6 - evidence)
+ *     cost = gap / widest * (1 + 2 (1 - cos a)) * (1 + 2 (1 - cos b)) * (1.2 - 0.4 evidence)
  *
  * a is the turn at the end, b that at the other end if there is one (else 0, and a fixed
  * price for a new junction), evidence the mean strength on the way against that of lines,
@@ -158,8 +158,8 @@ static gap judge(const bridging *b, int32_t from, int32_t id)
         price = 1 + 2 * (1 - bend);
     }
     cost *= price;
-    if (cost < 1.7)
-        out.cost = cost * (1.6 - evidence(b, t->at, to));
+    if (cost < 1.25)
+        out.cost = cost * (1.2 - 0.4 * evidence(b, t->at, to));
     return out;
 }
 
@@ -260,7 +260,7 @@ static tz_status reach_border(bridging *b)
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < b->tip.n && s == TZ_OK; i++) {
         const tip *t = &b->tip.v[i];
-        const double reach = fmax(5, 1.2 * g->chain.v[t->end >> 1].width);
+        const double reach = fmax(8, 3 * g->chain.v[t->end >> 1].width);
         const double room[4] = {t->at.x, g->width - t->at.x, t->at.y,
                                 g->height - t->at.y},
                      pace[4] = {-t->ahead.x, t->ahead.x, -t->ahead.y, t->ahead.y};

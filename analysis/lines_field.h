@@ -50,8 +50,9 @@ tz_status tz_line_ridges(tz_ctx *ctx, float *plane, int32_t w, int32_t h,
 /** Strengths become those along the line (lines_along.c). */
 tz_status tz_line_along(tz_ctx *ctx, tz_line_field *f);
 
-/** Marks what marked pixels enclose, up to so many pixels in one place. */
-tz_status tz_line_fill_holes(tz_line_field *f, int32_t most);
+/** Marks what lines run through (lines_crest.c): map.on.
+ * @param least  strength  @param hole  px in one place that no line runs around */
+tz_status tz_line_crest(tz_line_field *f, double least, int32_t hole);
 
 /** Borders between what differs, by the forest. @param photo of w x h */
 tz_status tz_line_edges(tz_ctx *ctx, const tz_image *photo, const char *model,

@@ -160,8 +160,9 @@ tz_status tz_line_judge(const tz_line_graph *g, const tz_line_picture *picture,
     v->contrast = length > 0 ? fmin(strength / length / fmax(spread, 0.01), 1e3) : 0;
     const double thick = v->line == TZ_LINE_EDGE ? BORDER : width / fmax(length, 1);
     const double run = paths > 0 ? length / paths / thick : 0;
+    const double wanted = v->line == TZ_LINE_EDGE ? BORDER_STANDS_OUT : STANDS_OUT;
     v->is_lines =
-        v->contrast * sqrt(run) >= STANDS_OUT && length >= 2 * fmax(g->width, g->height);
+        v->contrast * sqrt(run) >= wanted && length >= 2 * fmax(g->width, g->height);
     say(v, paths, cells, run);
     return TZ_OK;
 }

@@ -12,7 +12,7 @@
 
 #define NEAR    1.1  /* of the width: junctions nearer than that are one */
 #define CUT     0.7  /* of the width: cut back */
-#define RING    5    /* widths: rings no longer than that are none */
+#define RING    8    /* widths: rings no longer than that are none */
 #define DAMPING 0.05 /* keeps a junction of parallel lines in place */
 
 /* ---- near junctions ------------------------------------------------------------------ */

@@ -22,6 +22,7 @@
 #define PEAK    0.484F /* s^2 |l| of a bar of contrast 1 */
 #define SIDE    0.525F /* its rise two s to the side */
 #define SAMPLES 20000  /* px that tell what grain answers */
+#define MARGIN  1.5    /* of sigma: as near to the border the blur mirrors lines */
 #define LEAST   0.5F   /* contrasts below are nothing */
 
 typedef struct ridges {
@@ -162,14 +163,15 @@ static void enter(const ridges *j, int32_t x, int32_t y, const shape *d, float l
 static tz_status ridge_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
 {
     ridges *j = arg;
-    const int32_t w = j->w, y0 = (int32_t)i * BAND > 1 ? (int32_t)i * BAND : 1,
-                  y1 = (int32_t)(i + 1) * BAND < j->h - 1 ? (int32_t)(i + 1) * BAND
-                                                          : j->h - 1;
+    const int32_t w = j->w, from = (int32_t)i * BAND, to = from + BAND;
+    const int32_t margin = (int32_t)ceil(fmax(1, MARGIN * j->sigma));
+    const int32_t y0 = from > margin ? from : margin,
+                  y1 = to < j->h - margin ? to : j->h - margin;
     const float least = LEAST * PEAK / (float)(j->sigma * j->sigma) / j->gain;
     (void)ctx, (void)worker;
     for (int32_t y = y0; y < y1; y++) {
         const float *b = j->blurred + (ptrdiff_t)y * w, *a = b - w, *c = b + w;
-        for (int32_t x = 1; x < w - 1; x++) {
+        for (int32_t x = margin; x < w - margin; x++) {
             shape d;
             float minor;
             const float l = bend(a + x, b + x, c + x, &d, &minor);

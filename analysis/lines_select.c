@@ -21,8 +21,10 @@
 
 #define ROUNDS 6
 
-#define BINS   256
-#define SURELY 25 /* answer of the forest that is a border anywhere, of 100 */
+#define BINS    256
+#define WEAKEST 0.25 /* lines have this much of their mean strength at least */
+#define GRAIN   0.04 /* share of px that are ridges where there is nothing but grain */
+#define SURELY  25   /* answer of the forest that is a border anywhere, of 100 */
 
 typedef struct leaf {
     double proof;
@@ -41,6 +43,11 @@ double tz_line_part(const tz_line_field *r)
             const double k = octave * log2(fmax(1, r->map.response[i]));
             count[(int)fmin(k, BINS - 1)]++;
         }
+    double ridges = 0;
+    for (int k = 0; k < BINS; k++)
+        ridges += count[k];
+    if (!r->edge)
+        count[0] += fmax(0, GRAIN * (double)all - ridges); /* of strength 1 or less */
     for (int k = 0; k < BINS; k++) {
         n += count[k];
         sum += k * count[k];
@@ -62,7 +69,14 @@ double tz_line_part(const tz_line_field *r)
     const double two = spread > 0 ? best / (n * n) / spread : 1;
     const double unclear = r->edge ? 0 : fmin(fmax((0.80 - two) / 0.14, 0), 1);
     const double low = exp2((at + 1) / octave) * (1 + unclear);
-    return r->edge ? fmin(low, SURELY) : low;
+    if (r->edge)
+        return fmin(low, SURELY);
+    double above = 0, mean = 0; /* of what is stronger */
+    for (int k = (int)(octave * log2(low)); k < BINS; k++) {
+        above += count[k];
+        mean += count[k] * exp2(k / octave);
+    }
+    return above > 0 ? fmax(low, WEAKEST * mean / above) : low;
 }
 
 double tz_line_chain_proof(const tz_line_graph *g, const tz_line_chain *c, double low)

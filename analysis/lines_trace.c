@@ -5,44 +5,6 @@
 
 #include <math.h>
 
-/* ---- holes --------------------------------------------------------------------------- */
-
-tz_status tz_line_fill_holes(tz_line_field *f, int32_t most)
-{
-    tz_edge_map *m = &f->map;
-    const int32_t w = m->width, h = m->height, n = w * h;
-    int32_t *queue = NULL;
-    uint8_t *seen = NULL;
-    tz_status s = tz_alloc(m->ctx, &queue, (size_t)n, sizeof *queue);
-    if (s == TZ_OK)
-        s = tz_alloc_zero(m->ctx, &seen, (size_t)n, 1);
-    for (int32_t p = 0; p < n && s == TZ_OK; p++) {
-        int32_t tail = 0;
-        bool open = false; /* reaches the border */
-        if (m->on[p] || seen[p])
-            continue;
-        seen[p] = 1;
-        queue[tail++] = p;
-        for (int32_t head = 0; head < tail; head++) {
-            const int32_t q = queue[head], x = q % w, y = q / w;
-            const int32_t to[4] = {x > 0 ? q - 1 : -1, x < w - 1 ? q + 1 : -1,
-                                   y > 0 ? q - w : -1, y < h - 1 ? q + w : -1};
-            for (int k = 0; k < 4; k++) {
-                open |= to[k] < 0;
-                if (to[k] < 0 || m->on[to[k]] || seen[to[k]])
-                    continue;
-                seen[to[k]] = 1;
-                queue[tail++] = to[k];
-            }
-        }
-        for (int32_t k = 0; k < tail && !open && tail <= most; k++)
-            m->on[queue[k]] = 1;
-    }
-    tz_free(m->ctx, queue);
-    tz_free(m->ctx, seen);
-    return s;
-}
-
 /* ---- chains -------------------------------------------------------------------------- */
 
 typedef struct tracer {
