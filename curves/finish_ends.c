@@ -140,7 +140,9 @@ static tz_status add_joins(const tz_net *n, int32_t node, const tz_finish_limits
     const int32_t piece = q->piece;
     const tz_curve_piece *p = &n->set.piece.v[piece];
     const int32_t other = q->t <= 0 ? p->from : p->to;
-    if ((q->t > 0 && q->t < 1) || other <= node || !tz_net_dangles(n, other, l->margin))
+    const bool given = tz_net_fixed(n, piece) && tz_net_degree(n, other) == 1;
+    if ((q->t > 0 && q->t < 1) ||
+        !(given || (other > node && tz_net_dangles(n, other, l->margin))))
         return TZ_OK;
     const tz_vec2 v = tz_net_vector(n, n->set.node.v[node], n->set.node.v[other]),
                   u = tz_net_outwards(n, node), w = tz_net_outwards(n, other);
@@ -434,7 +436,7 @@ static tz_status do_choice(tz_net_edit *e, const choice *c, const tz_finish_limi
     if (c->way == JOIN)
         busy[c->other] = true;
     if (c->cost >= 0 || *over > 0)
-        *over -= c->way == JOIN ? 2 : 1;
+        *over -= c->way == JOIN && !tz_net_fixed(e->net, c->hit.piece) ? 2 : 1;
     return TZ_OK;
 }
 

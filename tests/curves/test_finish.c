@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Finishing: what is good stays as it is, what is torn is mended. */
+#include "tests/base/check.h"
+
+#include <math.h>
+
+#include "base/rng.h"
+#include "curves/curve_io.h"
+#include "curves/finish.h"
+
+#define HEAD                                     \
+    "<svg xmlns=\"http://www.w3.org/2000/svg\" " \
+    "viewBox=\"0 0 375 375\"><g fill=\"none\" stroke=\"#204060\" stroke-width=\"2\">"
+#define TAIL "</g></svg>"
+
+static tz_ctx *ctx;
+
+static int begin(void **state)
+{
+    (void)state;
+    ctx = new_ctx(2);
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    end_ctx(ctx);
+    return 0;
+}
+
+static void parse(const char *text, tz_curve_set *s)
+{
+    ok(ctx, tz_curve_parse_svg(ctx, "t.svg", text, strlen(text), NULL, s));
+}
+
+static double total_length(const tz_curve_set *s)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(s, &s->piece.v[i]);
+        sum += tz_bezier_length(&b);
+    }
+    return sum;
+}
+
+static void same(const tz_curve_set *a, const tz_curve_set *b)
+{
+    assert_int_equal(a->piece.n, b->piece.n);
+    assert_int_equal(a->path.n, b->path.n);
+    assert_int_equal(a->node.n, b->node.n);
+    assert_memory_equal(a->node.v, b->node.v, (size_t)a->node.n * sizeof *a->node.v);
+    for (int32_t i = 0; i < a->piece.n; i++)
+        assert_memory_equal(&a->piece.v[i].a, &b->piece.v[i].a, 2 * sizeof(tz_vec2));
+}
+
+/* A lattice of n x n cells over a square of side `side`, without the `gone`-th of its
+ * edges where gone > 0, cut open in the middle where `gap` > 0. */
+static tz_status lattice(tz_ctx *c, double side, int n, double gap, int every, bool torus,
+                         tz_curve_set *s)
+{
+    const double step = side / n, from = torus ? 0 : step / 2;
+    const int m = torus ? n : n - 1;
+    int32_t pen, a = 0, b = 0;
+    int count = 0;
+    *s = (tz_curve_set){.ctx = c,
+                        .domain = {.size = {side, side, 0}, .torus = torus},
+                        .element = {.ctx = c}};
+    tz_status st = tz_curve_add_pen(s, (tz_curve_pen){.width = 1, .color = 255}, &pen);
+    for (int i = 0; i < n * n && st == TZ_OK; i++)
+        st = tz_curve_add_node(
+            s, (tz_vec2){from + i % n * step, from + (double)(i / n) * step}, &a);
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < n * n && st == TZ_OK; i++) {
+            const int x = i % n, y = i / n;
+            if ((k == 0 ? x : y) >= m)
+                continue;
+            const int32_t p = i, q = k == 0 ? y * n + (x + 1) % n : (y + 1) % n * n + x;
+            const tz_vec2 u = s->node.v[p],
+                          d = k == 0 ? (tz_vec2){step, 0} : (tz_vec2){0, step};
+            if (!(every && ++count % every == 0)) {
+                st = tz_curve_begin(s, pen);
+                if (st == TZ_OK)
+                    st = tz_curve_line(s, p, q);
+                if (st == TZ_OK)
+                    tz_curve_end(s, false);
+                continue;
+            }
+            st =
+                tz_curve_add_node(s, tz_vec2_add(u, tz_vec2_scale(d, 0.5 - gap / 2)), &a);
+            if (st == TZ_OK)
+                st = tz_curve_add_node(s, tz_vec2_add(u, tz_vec2_scale(d, 0.5 + gap / 2)),
+                                       &b);
+            if (st == TZ_OK)
+                st = tz_curve_begin(s, pen);
+            if (st == TZ_OK)
+                st = tz_curve_line(s, p, a);
+            if (st == TZ_OK)
+                tz_curve_end(s, false);
+            if (st == TZ_OK)
+                st = tz_curve_begin(s, pen);
+            if (st == TZ_OK)
+                st = tz_curve_line(s, b, q);
+            if (st == TZ_OK)
+                tz_curve_end(s, false);
+        }
+    tz_curve_wrap(s);
+    return st;
+}
+
+/* An exemplar, finished after itself, is what it was; so are drawings of all kinds. */
+static void test_untouched(void **state)
+{
+    (void)state;
+    static const char *const text[] = {
+        HEAD "<path d='M20 100C120 0 220 200 350 80'/>" TAIL,
+        HEAD "<circle cx='100' cy='100' r='60'/>" TAIL,
+        HEAD "<path d='M50 50L250 90M90 250L200 20M300 90L40 160M60 52L70 80'/>" TAIL,
+        HEAD "<path d='M50 50L51 50M50 51L51 51M200 200L300 200M201 203L299 203'/>" TAIL};
+    for (size_t i = 0; i < sizeof text / sizeof *text; i++) {
+        tz_curve_set x, s;
+        tz_curve_finish_report r;
+        parse(text[i], &x);
+        parse(text[i], &s);
+        ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+        if (r.closed || r.removed)
+            fail_msg("closed %d, removed %d in %s", r.closed, r.removed, text[i]);
+        same(&x, &s);
+        tz_curve_set_deinit(&x);
+        tz_curve_set_deinit(&s);
+    }
+    static const char *const list[] = {"lattice_stained_glass",
+                                       "network_streets_chicago",
+                                       "network_circuit_board",
+                                       "contours_topography",
+                                       "wood_grain",
+                                       "memphis_mixed"};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        char path[200];
+        tz_curve_set x, s;
+        snprintf(path, sizeof path, "../shared/exemplars/svg/%s.svg", list[i]);
+        if (access(path, R_OK) != 0)
+            continue;
+        ok(ctx, tz_curve_read_svg(ctx, path, NULL, &x));
+        ok(ctx, tz_curve_read_svg(ctx, path, NULL, &s));
+        ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, NULL));
+        same(&x, &s);
+        tz_curve_set_deinit(&x);
+        tz_curve_set_deinit(&s);
+    }
+}
+
+/* A lattice with gaps gets the lattice's own length and ends back, on a torus, too; then
+ * there is nothing left to do. */
+static void test_gaps(void **state)
+{
+    (void)state;
+    for (int torus = 0; torus < 2; torus++)
+        for (int every = 3; every < 12; every += 4) {
+            tz_curve_set x, s, whole;
+            tz_curve_finish_report r;
+            ok(ctx, lattice(ctx, 300, 10, 0, 0, false, &x));
+            ok(ctx, lattice(ctx, 600, 20, 0, 0, torus, &whole));
+            ok(ctx, lattice(ctx, 600, 20, 0.3, every, torus, &s));
+            ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+            ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+            assert_true(r.ends[0] > 100 && r.ends[1] == 0 && r.removed == 0);
+            assert_int_equal(r.closed, r.ends[0] / 2);
+            assert_true(fabs(total_length(&s) - total_length(&whole)) <
+                        1e-6 * total_length(&whole));
+            ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+            assert_true(r.closed == 0 && r.removed == 0);
+            tz_curve_set_deinit(&x);
+            tz_curve_set_deinit(&s);
+            tz_curve_set_deinit(&whole);
+        }
+}
+
+/* Stubs and crumbs of which the exemplar has none go; a line that ends short of another
+ * is drawn on to it; of two lines side by side one stays. */
+static void test_mending(void **state)
+{
+    (void)state;
+    static const char exemplar[] = HEAD "<path d='M0 100L375 100M0 200L375 200M100 0L100 "
+                                        "100M200 100L200 200'/>" TAIL;
+    static const struct {
+        const char *text;
+        int32_t closed, removed;
+        double length;
+    } list[] = {
+        /* a stub */
+        {HEAD "<path d='M0 100L375 100M200 100L200 106'/>" TAIL, 0, 1, 375},
+        /* a crumb */
+        {HEAD "<path d='M0 100L375 100M200 150L204 150'/>" TAIL, 0, 1, 375},
+        /* short of a line */
+        {HEAD "<path d='M0 100L375 100M200 0L200 88'/>" TAIL, 1, 0, 475},
+        /* a gap */
+        {HEAD "<path d='M0 100L150 100M165 100L375 100'/>" TAIL, 1, 0, 375},
+        /* short of the border */
+        {HEAD "<path d='M0 100L360 100'/>" TAIL, 1, 0, 375},
+        /* side by side */
+        {HEAD "<path d='M0 100L375 100M0 102L375 102'/>" TAIL, 0, 1, 375},
+        /* all is well */
+        {HEAD "<path d='M0 100L375 100M200 100L200 0'/>" TAIL, 0, 0, 475},
+    };
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        tz_curve_set x, s;
+        tz_curve_finish_report r;
+        parse(exemplar, &x);
+        parse(list[i].text, &s);
+        ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+        ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+        if (r.closed != list[i].closed || r.removed != list[i].removed ||
+            fabs(total_length(&s) - list[i].length) > 0.01)
+            fail_msg("closed %d, removed %d, length %g: %s", r.closed, r.removed,
+                     total_length(&s), list[i].text);
+        assert_int_equal(r.ends[1], 0);
+        tz_curve_set_deinit(&x);
+        tz_curve_set_deinit(&s);
+    }
+}
+
+/* What is given stays and is none of the result, but lines are drawn to it. */
+static void test_given(void **state)
+{
+    (void)state;
+    tz_curve_set x, s, given;
+    tz_curve_finish_report r;
+    ok(ctx, lattice(ctx, 375, 10, 0, 0, false, &x));
+    parse(HEAD "<path d='M0 100L150 100'/>" TAIL, &given);
+    parse(HEAD "<path d='M160 100L375 100'/>" TAIL, &s);
+    const double before = total_length(&given);
+    ok(ctx, tz_curve_finish(ctx, &x, &given, &s, &r));
+    ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+    assert_int_equal(s.pen.n, 1);
+    assert_true(fabs(total_length(&given) - before) < 1e-12);
+    assert_int_equal(r.closed, 1);
+    assert_true(fabs(total_length(&s) - 225) < 1e-6);
+    tz_curve_set_deinit(&x);
+    tz_curve_set_deinit(&s);
+    tz_curve_set_deinit(&given);
+}
+
+/* Origins and widths stay beside their pieces; what is added has none, and some. */
+static void test_carry(void **state)
+{
+    (void)state;
+    tz_curve_set x, s;
+    tz_curve_finish_report r;
+    ok(ctx, lattice(ctx, 300, 10, 0, 0, false, &x));
+    ok(ctx, lattice(ctx, 300, 10, 0.3, 5, false, &s));
+    for (int32_t i = 0; i < s.piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(&s, &s.piece.v[i]);
+        ok(ctx, tz_array_push(ctx, &s.origin, b));
+        ok(ctx, tz_array_push(ctx, &s.taper, ((tz_curve_taper){1, 3})));
+    }
+    ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+    ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+    assert_true(r.closed > 5);
+    int32_t none = 0;
+    for (int32_t i = 0; i < s.piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(&s, &s.piece.v[i]), *o = &s.origin.v[i];
+        none += isnan(o->p[0].x);
+        for (int k = 0; k < 4 && !isnan(o->p[0].x); k++)
+            assert_true(hypot(o->p[k].x - b.p[k].x, o->p[k].y - b.p[k].y) < 1e-9);
+    }
+    assert_int_equal(none, r.closed);
+    tz_curve_set_deinit(&x);
+    tz_curve_set_deinit(&s);
+}
+
+/* Lines at random by the thousand, and things that are hardly any: no harm. */
+static void test_rough(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        tz_rng g = tz_rng_make(seed, 3);
+        tz_curve_set x, s;
+        tz_curve_finish_report r;
+        int32_t pen, a, b;
+        ok(ctx, lattice(ctx, 300, 10, 0, 0, false, &x));
+        s = (tz_curve_set){.ctx = ctx,
+                           .domain = {.size = {300, 300, 0}, .torus = seed & 1},
+                           .element = {.ctx = ctx}};
+        ok(ctx, tz_curve_add_pen(&s, (tz_curve_pen){.width = 1, .color = 255}, &pen));
+        for (int i = 0; i < 1500; i++) {
+            const double way = seed < 2 ? 1e-6 : seed < 4 ? 10 : 80;
+            const tz_vec2 p = {tz_rng_range(&g, 0, 300), tz_rng_range(&g, 0, 300)};
+            ok(ctx, tz_curve_add_node(&s, p, &a));
+            b = a;
+            if (i % 100) /* else a line of no length */
+                ok(ctx, tz_curve_add_node(&s,
+                                          (tz_vec2){p.x + tz_rng_range(&g, -way, way),
+                                                    p.y + tz_rng_range(&g, -way, way)},
+                                          &b));
+            ok(ctx, tz_curve_begin(&s, pen));
+            ok(ctx, tz_curve_line(&s, a, b));
+            tz_curve_end(&s, false);
+        }
+        tz_curve_wrap(&s);
+        ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+        ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+        assert_true(r.ends[1] <= r.ends[0]);
+        tz_curve_set_deinit(&x);
+        tz_curve_set_deinit(&s);
+    }
+}
+
+static tz_status finish_once(tz_ctx *c, tz_curve_set *s)
+{
+    tz_curve_set x = {0};
+    memset(s, 0, sizeof *s);
+    tz_status st = lattice(c, 90, 4, 0, 0, false, &x);
+    if (st == TZ_OK)
+        st = lattice(c, 90, 4, 0.3, 3, false, s);
+    if (st == TZ_OK)
+        st = tz_curve_finish(c, &x, NULL, s, NULL);
+    tz_curve_set_deinit(&x);
+    return st;
+}
+
+static void test_same_bytes(void **state)
+{
+    (void)state;
+    const int threads[3] = {1, 2, 8};
+    tz_curve_set s[3];
+    tz_ctx *c[3];
+    for (int k = 0; k < 3; k++) {
+        c[k] = new_ctx(threads[k]);
+        ok(c[k], finish_once(c[k], &s[k]));
+        same(&s[0], &s[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        tz_curve_set_deinit(&s[k]);
+        end_ctx(c[k]);
+    }
+}
+
+static tz_status run_once(tz_ctx *c)
+{
+    tz_curve_set s;
+    const tz_status st = finish_once(c, &s);
+    tz_curve_set_deinit(&s);
+    return st;
+}
+
+static void test_memory(void **state)
+{
+    (void)state;
+    survive(run_once, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_untouched, begin, end),
+        cmocka_unit_test_setup_teardown(test_gaps, begin, end),
+        cmocka_unit_test_setup_teardown(test_mending, begin, end),
+        cmocka_unit_test_setup_teardown(test_given, begin, end),
+        cmocka_unit_test_setup_teardown(test_carry, begin, end),
+        cmocka_unit_test_setup_teardown(test_rough, begin, end),
+        cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
