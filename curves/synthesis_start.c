@@ -14,6 +14,8 @@
 #include "curves/reconstruct.h"
 #include "curves/synthesis_internal.h"
 
+#define MOST_NOISE 4e6 /* samples */
+
 /* ---- parts that all starts share ---------------------------------------------------- */
 
 tz_status tz_curve_solve_add(tz_curve_solve *t, const tz_curve_sample *p, int32_t match)
@@ -154,7 +156,10 @@ static tz_status scatter(tz_curve_solve *t)
     const double n = t->x->g.sample.n / (e->size.x * e->size.y) * wide * high;
     tz_rng r = tz_rng_make(t->job->seed, tz_rng_stream(0x4015e, 0, 0));
     tz_status s = TZ_OK;
-    for (int32_t i = 0; i < (int32_t)fmin(n + 0.5, 4e6) && s == TZ_OK; i++) {
+    if (n > MOST_NOISE)
+        return tz_fail(t->ctx, TZ_LIMIT,
+                       "%g samples are too many; make the domain smaller", n);
+    for (int32_t i = 0; i < (int32_t)(n + 0.5) && s == TZ_OK; i++) {
         const tz_vec2 at = {tz_rng_range(&r, -m, -m + wide),
                             tz_rng_range(&r, -m, -m + high)};
         const int32_t like = tz_rng_below(&r, t->x->g.sample.n);
