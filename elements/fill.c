@@ -302,7 +302,7 @@ tz_status tz_fill_run(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *layou
     timespec_get(&t1, TIME_UTC);
     if (s == TZ_OK && report) {
         *report = (tz_fill_report){0};
-        s = tz_fill_measure(ctx, layout, job->field, 0, report);
+        s = tz_fill_measure(ctx, layout, job->palette, job->field, 0, report);
         report->samples = f->n, report->entries = f->entries;
         report->iterations = f->iteration;
         report->moved = f->moved, report->shrunk = f->shrunk;

@@ -132,16 +132,19 @@ typedef struct tz_fill_report {
     double overlap; /**< area that two things share, over the things' area */
     double align;   /**< mean angle to strokes under them, radians */
     double turn;    /**< mean angle between neighbours, radians */
-    double hole;    /**< radius of the largest disc that fits between the things' discs */
+    double hole;    /**< radius of the largest empty disc, user units */
     double seconds;
 } tz_fill_report;
 
 /** Begin, iterate, repair, write. @param report  NULL = not wanted */
 TZ_API tz_status tz_fill_run(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *layout,
                              tz_fill_report *report);
-/** Measures any layout: the report's lower half, by outlines on a raster.
+/** Measures any layout: the report's lower half, by outlines on a raster. Directions are
+ * those of the palette's things as drawn; round things have none.
+ * @param palette  that sources of elements name; NULL = directions are those of symbols
  * @param side  cells along the longer side, 0 = 1024 */
 TZ_API tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
+                                 const tz_element_set *palette,
                                  const tz_element_field *field, int32_t side,
                                  tz_fill_report *r);
 

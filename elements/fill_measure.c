@@ -7,6 +7,7 @@
 
 #include "base/kdtree.h"
 #include "elements/bend.h"
+#include "elements/extent.h"
 #include "elements/fill.h"
 #include "elements/guide.h"
 
@@ -111,43 +112,72 @@ static double turn_between(double a, double b)
     return fabs(remainder(a - b, 2 * TZ_PI));
 }
 
+/* Which way an element points; false for round ones. */
+static bool points(const tz_element_set *set, const tz_element_set *palette,
+                   const tz_extents *x, int32_t i, double *angle)
+{
+    const tz_element *e = &set->element.v[i];
+    float least = x->v[e->symbol].r[0], most = least;
+    for (int k = 1; k < TZ_EXTENT_DIRECTIONS; k++) {
+        least = fminf(least, x->v[e->symbol].r[k]);
+        most = fmaxf(most, x->v[e->symbol].r[k]);
+    }
+    *angle = e->angle;
+    if (palette && e->source >= 0 && e->source < palette->element.n)
+        *angle -= palette->element.v[e->source].angle;
+    return least < 0.95f * most;
+}
+
 static tz_status measure_turns(tz_ctx *ctx, const tz_element_set *set,
+                               const tz_element_set *palette,
                                const tz_element_field *field, tz_fill_report *r)
 {
-    const int32_t n = set->element.n;
+    int32_t n = 0;
     float *p = NULL;
+    double *angle = NULL;
     tz_kdtree tree = {0};
+    tz_extents extents = {0};
     double align = 0, said = 0, turn = 0, pairs = 0;
-    tz_status s = tz_alloc(ctx, &p, 2 * (size_t)n, sizeof *p);
-    for (int32_t i = 0; i < n && s == TZ_OK; i++) {
-        p[2 * i] = (float)set->element.v[i].at.x;
-        p[2 * i + 1] = (float)set->element.v[i].at.y;
+    const size_t room = (size_t)set->element.n;
+    tz_status s = tz_alloc(ctx, &p, 2 * room, sizeof *p);
+    if (s == TZ_OK)
+        s = tz_alloc(ctx, &angle, room, sizeof *angle);
+    if (s == TZ_OK)
+        s = tz_extents_init(ctx, set, &extents);
+    for (int32_t i = 0; i < set->element.n && s == TZ_OK; i++) {
+        const tz_vec3 at = tz_domain_wrap(&set->domain, set->element.v[i].at);
+        if (!points(set, palette, &extents, i, &angle[n]))
+            continue;
+        p[2 * (ptrdiff_t)n] = (float)at.x, p[2 * (ptrdiff_t)n + 1] = (float)at.y;
+        const tz_element_field_cell *c =
+            field ? tz_element_field_at(field, (tz_vec3){at.x, at.y, 0}) : NULL;
+        if (c && (c->x != 0 || c->y != 0))
+            align += turn_between(angle[n], atan2((double)c->y, (double)c->x)), said++;
+        n++;
     }
     if (s == TZ_OK && n > 0)
         s = tz_kdtree_init(ctx, &tree, p, n, 2);
     for (int32_t i = 0; i < n && s == TZ_OK; i++) {
-        const tz_element *e = &set->element.v[i];
         int32_t id[NEAR + 1];
         float d2[NEAR + 1];
-        const int32_t k = tz_kdtree_nearest(&tree, &p[2 * i], NEAR + 1, id, d2);
+        const int32_t k =
+            tz_kdtree_nearest(&tree, &p[2 * (ptrdiff_t)i], NEAR + 1, id, d2);
         for (int32_t j = 0; j < k; j++)
             if (id[j] != i)
-                turn += turn_between(e->angle, set->element.v[id[j]].angle), pairs++;
-        const tz_vec3 at = tz_domain_wrap(&set->domain, e->at);
-        const tz_element_field_cell *c =
-            field ? tz_element_field_at(field, (tz_vec3){at.x, at.y, 0}) : NULL;
-        if (c && (c->x != 0 || c->y != 0))
-            align += turn_between(e->angle, atan2((double)c->y, (double)c->x)), said++;
+                turn += turn_between(angle[i], angle[id[j]]), pairs++;
     }
     tz_kdtree_deinit(&tree);
+    tz_extents_deinit(&extents);
     tz_free(ctx, p);
+    tz_free(ctx, angle);
     r->align = said > 0 ? align / said : 0;
     r->turn = pairs > 0 ? turn / pairs : 0;
     return s;
 }
 
 tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
-                          const tz_element_field *field, int32_t side, tz_fill_report *r)
+                          const tz_element_set *palette, const tz_element_field *field,
+                          int32_t side, tz_fill_report *r)
 {
     cover c = {.count = NULL};
     tz_polys polys = {0};
@@ -170,7 +200,7 @@ tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
     if (s == TZ_OK)
         s = count_cells(ctx, layout, &c, r);
     if (s == TZ_OK)
-        s = measure_turns(ctx, layout, field, r);
+        s = measure_turns(ctx, layout, palette, field, r);
     tz_polys_deinit(ctx, &polys);
     if (rests.ctx)
         tz_bend_rests_deinit(&rests);

@@ -16,7 +16,7 @@
 #include "base/rng.h"
 #include "elements/fill_internal.h"
 
-enum { ROUNDS = 24, AGAIN = 8, SHRINKS = 12, STREAM_GAP = 0xf1e20 };
+enum { ROUNDS = 48, AGAIN = 12, SHRINKS = 12, STREAM_GAP = 0xf1e20 };
 #define LEAST 0.8
 #define DEEP  0.004 /* of the largest disc: no contact yet */
 
@@ -25,6 +25,7 @@ typedef struct pose {
     tz_vec2 at, turn; /* of a rigid body; turn times scale */
     double scale, reach;
     bool soft;
+    int32_t border; /* of a soft body: where its outline's points are kept */
 } pose;
 
 /* What is done to a body in one round. */
@@ -37,12 +38,16 @@ typedef struct repair {
     tz_fill *f;
     pose *pose;
     push *push;
-    bool *awake; /* to be looked at */
+    bool *awake;     /* to be looked at */
+    tz_vec2 *border; /* TZ_FILL_BORDER a soft body */
+    int32_t softs;
     int32_t *start, *near;
 } repair;
 
-static void find_pose(const tz_fill *f, int32_t i, pose *p)
+static void find_pose(repair *r, int32_t i)
 {
+    const tz_fill *f = r->f;
+    pose *p = &r->pose[i];
     const tz_fill_body *b = &f->body.v[i];
     const tz_fill_model *m = &f->model.v[b->model];
     double angle;
@@ -50,9 +55,29 @@ static void find_pose(const tz_fill *f, int32_t i, pose *p)
     p->turn = (tz_vec2){p->scale * cos(angle), p->scale * sin(angle)};
     p->soft = b->n > 1 && m->rigidity < TZ_FILL_RIGID;
     p->reach = m->reach * p->scale;
-    for (int32_t s = b->first; s < b->first + b->n && p->soft; s++)
-        p->reach = fmax(p->reach, hypot(f->at[s].x - p->at.x, f->at[s].y - p->at.y) +
-                                      2 * f->c[s] * f->radius[s]);
+    for (int32_t k = 0; k < m->borders && p->soft; k++) {
+        tz_vec2 *q = &r->border[(ptrdiff_t)p->border * TZ_FILL_BORDER + k];
+        *q = tz_fill_to_world(f, i, m->border[k]);
+        p->reach = fmax(p->reach, hypot(q->x - p->at.x, q->y - p->at.y));
+    }
+}
+
+/* Soft bodies get room for their outlines. */
+static tz_status find_poses(repair *r)
+{
+    const tz_fill *f = r->f;
+    r->softs = 0;
+    for (int32_t i = 0; i < f->body.n; i++) {
+        const tz_fill_body *b = &f->body.v[i];
+        r->pose[i].border = r->softs;
+        r->softs += b->n > 1 && f->model.v[b->model].rigidity < TZ_FILL_RIGID;
+    }
+    const tz_status s = tz_realloc(
+        f->ctx, &r->border, ((size_t)r->softs + 1) * TZ_FILL_BORDER, sizeof *r->border);
+    for (int32_t i = 0; i < f->body.n && s == TZ_OK; i++)
+        if (!f->body.v[i].gone)
+            find_pose(r, i);
+    return s;
 }
 
 static tz_vec2 border_point(const repair *r, int32_t i, int32_t k)
@@ -61,9 +86,22 @@ static tz_vec2 border_point(const repair *r, int32_t i, int32_t k)
     const pose *p = &r->pose[i];
     const tz_vec2 q = m->border[k];
     if (p->soft)
-        return tz_fill_to_world(r->f, i, q);
+        return r->border[(ptrdiff_t)p->border * TZ_FILL_BORDER + k];
     return (tz_vec2){p->at.x + p->turn.x * q.x - p->turn.y * q.y,
                      p->at.y + p->turn.y * q.x + p->turn.x * q.y};
+}
+
+/* Whether a place lies by one of a body's discs, or a little beyond. */
+static bool near_disc(const tz_fill *f, int32_t i, tz_vec2 at)
+{
+    const tz_fill_body *b = &f->body.v[i];
+    for (int32_t s = b->first; s < b->first + b->n; s++) {
+        const tz_vec3 v = tz_fill_vector(f, f->at[s], (tz_vec3){at.x, at.y, 0});
+        const double r = 1.6 * f->c[s] * f->radius[s];
+        if (v.x * v.x + v.y * v.y < r * r)
+            return true;
+    }
+    return false;
 }
 
 /* How deep a place of the world lies in a body, and the way out. */
@@ -74,14 +112,14 @@ static double depth_in(const repair *r, int32_t i, tz_vec2 at, tz_vec2 *out)
     const pose *p = &r->pose[i];
     tz_vec2 turn = p->turn, in, slope;
     double scale = p->scale;
+    const tz_vec3 v =
+        tz_fill_vector(f, (tz_vec3){p->at.x, p->at.y, 0}, (tz_vec3){at.x, at.y, 0});
+    if (v.x * v.x + v.y * v.y >= p->reach * p->reach || (p->soft && !near_disc(f, i, at)))
+        return -1;
     if (p->soft) {
         in = tz_fill_to_model(f, i, at, &scale, &turn);
     } else {
-        const tz_vec3 v =
-            tz_fill_vector(f, (tz_vec3){p->at.x, p->at.y, 0}, (tz_vec3){at.x, at.y, 0});
         const double s2 = 1 / (scale * scale);
-        if (v.x * v.x + v.y * v.y >= p->reach * p->reach)
-            return -1;
         in = (tz_vec2){(turn.x * v.x + turn.y * v.y) * s2,
                        (turn.x * v.y - turn.y * v.x) * s2};
         turn = tz_vec2_scale(turn, 1 / scale);
@@ -164,12 +202,19 @@ static void push_inside(const repair *r, int32_t i, push *p)
         add_push(r, i, p, where, most * x / l, most * y / l, most);
 }
 
+static double slack_of(const tz_fill *f, int32_t i)
+{
+    const tz_fill_body *b = &f->body.v[i];
+    return DEEP * f->radius[b->first] * tz_fill_scale(f, b->first);
+}
+
 static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
 {
     const repair *r = arg;
     tz_fill *f = r->f;
     for (int32_t j = from; j < to; j++) {
         const int32_t a = f->live.v[j];
+        const double least = 0.3 * slack_of(f, a);
         push p = {0, 0, 0, 0, 0};
         if (r->awake[a] && !f->body.v[a].gone) {
             for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
@@ -179,10 +224,10 @@ static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
                     continue;
                 const bool held = f->body.v[b].fixed || !f->body.v[b].awake;
                 const double share = held ? 1 : 0.5, d = deepest(r, a, b, &at, &out);
-                if (d > 0)
+                if (d > least)
                     add_push(r, a, &p, at, share * d * out.x, share * d * out.y, d);
                 const double e = deepest(r, b, a, &at, &out);
-                if (e > 0)
+                if (e > least)
                     add_push(r, a, &p, at, -share * e * out.x, -share * e * out.y, e);
             }
             push_inside(r, a, &p);
@@ -194,12 +239,6 @@ static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
 
 /* ---- rounds ------------------------------------------------------------------------- */
 
-static double slack_of(const tz_fill *f, int32_t i)
-{
-    const tz_fill_body *b = &f->body.v[i];
-    return DEEP * f->radius[b->first] * tz_fill_scale(f, b->first);
-}
-
 static void move_body(repair *r, int32_t i)
 {
     tz_fill *f = r->f;
@@ -208,7 +247,7 @@ static void move_body(repair *r, int32_t i)
     /* of many pushes, each asks for its own way: the mean, and a little more */
     const double by = p->n > 0 ? fmin(1, 1.6 / p->n) : 0;
     const double x = by * p->x, y = by * p->y;
-    double a = r->pose[i].soft ? 0 : 0.4 * by * p->turn;
+    double a = r->pose[i].soft ? 0 : 0.2 * by * p->turn;
     a = fmin(fmax(a, -0.06), 0.06);
     const double c = cos(a), s = sin(a);
     for (int32_t k = b->first; k < b->first + b->n; k++) {
@@ -219,7 +258,7 @@ static void move_body(repair *r, int32_t i)
         const double ox = o[0], oy = o[1];
         o[0] = c * ox - s * oy, o[1] = s * ox + c * oy;
     }
-    find_pose(f, i, &r->pose[i]);
+    find_pose(r, i);
 }
 
 /* Bodies that the discs of each touch. */
@@ -319,7 +358,7 @@ static void shrink_body(repair *r, int32_t i, double by)
         f->at[k].x = r->pose[i].at.x + by * (f->at[k].x - r->pose[i].at.x);
         f->at[k].y = r->pose[i].at.y + by * (f->at[k].y - r->pose[i].at.y);
     }
-    find_pose(f, i, &r->pose[i]);
+    find_pose(r, i);
 }
 
 static tz_status shrink_rest(repair *r)
@@ -385,7 +424,7 @@ static bool fits(repair *r, int32_t i, int32_t sample, const tz_power_cells *c)
     const double slack = slack_of(f, i);
     push p = {0, 0, 0, 0, 0};
     tz_vec2 at, out;
-    find_pose(f, i, &r->pose[i]);
+    find_pose(r, i);
     push_inside(r, i, &p);
     if (p.depth > slack)
         return false;
@@ -433,14 +472,19 @@ static tz_status fill_gap(repair *r, const tz_fill_gap *g, const tz_power_cells 
                         g->at.y - sin(a) * d.x - cos(a) * d.y, 0};
     int32_t i;
     tz_status s = tz_realloc(f->ctx, &r->pose, (size_t)bodies + 1, sizeof *r->pose);
+    if (s == TZ_OK) /* for the outline of one more */
+        s = tz_realloc(f->ctx, &r->border, ((size_t)r->softs + 1) * TZ_FILL_BORDER,
+                       sizeof *r->border);
     if (s == TZ_OK)
         s = tz_fill_add_body(f, best, at, angle, scale, size, turn, &i);
     if (s != TZ_OK)
         return s;
+    r->pose[i].border = r->softs;
     for (int32_t k = n; k < f->n; k++)
         f->third[k] = 0, f->rho[k] = f->rho[g->sample];
     if (fits(r, i, g->sample, c)) {
         f->inserted++;
+        r->softs += r->pose[i].soft;
     } else {
         f->body.n = bodies, f->n = n;
     }
@@ -480,9 +524,8 @@ tz_status tz_fill_repair(tz_fill *f)
         s = tz_alloc(f->ctx, &r.awake, n, sizeof *r.awake);
     if (s == TZ_OK)
         s = tz_alloc(f->ctx, &r.start, n + 1, sizeof *r.start);
-    for (int32_t i = 0; i < f->body.n && s == TZ_OK; i++)
-        if (!f->body.v[i].gone)
-            find_pose(f, i, &r.pose[i]);
+    if (s == TZ_OK)
+        s = find_poses(&r);
     if (s == TZ_OK)
         s = push_rounds(&r, ROUNDS);
     if (s == TZ_OK)
@@ -494,5 +537,6 @@ tz_status tz_fill_repair(tz_fill *f)
     f->fresh = false;
     tz_free(f->ctx, r.pose), tz_free(f->ctx, r.push), tz_free(f->ctx, r.awake);
     tz_free(f->ctx, r.start), tz_free(f->ctx, r.near);
+    tz_free(f->ctx, r.border);
     return s;
 }

@@ -48,8 +48,9 @@ typedef struct scratch {
     b;
     TZ_ARRAY(int32_t)
     near;
-    TZ_ARRAY(int32_t)
-    seen; /* a site: the last cell that it has cut as a known neighbour */
+    TZ_ARRAY(uint32_t)
+    seen; /* a site: the cell, counted by `cells`, that it has cut as a known neighbour */
+    uint32_t cells;
 } scratch;
 
 struct tz_power {
@@ -157,10 +158,10 @@ static tz_status reserve(tz_power *p, int32_t n)
         p->cap = (int32_t)cap;
     }
     for (int k = 0; k < p->workers && s == TZ_OK; k++) {
-        s = tz_array_reserve(p->ctx, &p->work[k].seen, n);
-        p->work[k].seen.n = n;
-        for (int32_t i = 0; i < n && s == TZ_OK; i++)
-            p->work[k].seen.v[i] = -1;
+        scratch *w = &p->work[k];
+        s = tz_array_reserve(p->ctx, &w->seen, n);
+        for (; s == TZ_OK && w->seen.n < n; w->seen.n++)
+            w->seen.v[w->seen.n] = 0;
     }
     if (s != TZ_OK)
         return s;
@@ -377,7 +378,7 @@ static tz_status cut_row(cell *c, const level *v, int32_t x0, int32_t x1, int32_
         const int32_t at = j * v->nx + x, end = v->start[at + 1];
         for (int32_t k = v->start[at]; k < end && s == TZ_OK; k++) {
             const item *q = &v->item[k];
-            if (q->site == c->site || (!d->torus && c->k->seen.v[q->site] == c->site))
+            if (q->site == c->site || (!d->torus && c->k->seen.v[q->site] == c->k->cells))
                 continue;
             const double dx = q->x + sx - c->at.x, dy = q->y + sy - c->at.y;
             const double d2 = dx * dx + dy * dy, limit = d2 + c->w - q->w;
@@ -438,7 +439,7 @@ static tz_status cut_known(cell *c)
         const tz_vec3 v = tz_domain_vector(&p->domain, (tz_vec3){c->at.x, c->at.y, 0},
                                            (tz_vec3){p->at[q].x, p->at[q].y, 0});
         s = cut(c, v.x, v.y, p->weight[q], q);
-        c->k->seen.v[q] = c->site;
+        c->k->seen.v[q] = c->k->cells;
     }
     return s;
 }
@@ -467,6 +468,10 @@ static tz_status clip_cell(cell *c)
 {
     tz_power *p = c->p;
     tz_status s = begin_cell(c);
+    if (++c->k->cells == 0) { /* after 2^32 cells */
+        memset(c->k->seen.v, 0, (size_t)c->k->seen.n * sizeof *c->k->seen.v);
+        c->k->cells = 1;
+    }
     if (s == TZ_OK && p->count[c->site] > 2)
         s = cut_known(c);
     else if (s == TZ_OK)
@@ -773,8 +778,6 @@ int32_t tz_power_cell(tz_power *p, int32_t i, tz_power_corner *out, int32_t most
         return 0;
     const tz_vec3 q = tz_domain_wrap(&p->domain, p->at[i]);
     cell c = {.p = p, .k = k, .at = {q.x, q.y}, .w = p->weight[i], .site = i};
-    for (int32_t j = 0; j < p->n; j++)
-        k->seen.v[j] = -1;
     if (clip_cell(&c) != TZ_OK || c.gone)
         return 0;
     for (int32_t j = 0; j < k->a.n && j < most; j++)

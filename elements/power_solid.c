@@ -69,7 +69,7 @@ static tz_status begin(solid *s, tz_vec3 lo, tz_vec3 hi)
         face *g = NULL;
         st = new_face(s, -1, &g);
         for (int k = 0; k < 4 && st == TZ_OK; k++) {
-            const int c = corner[f][k];
+            const int c = corner[f][3 - k]; /* seen from outside, counter-clockwise */
             st = tz_array_push(s->ctx, &g->v,
                                ((tz_vec3){c & 1 ? hi.x : lo.x, c & 2 ? hi.y : lo.y,
                                           c & 4 ? hi.z : lo.z}));

@@ -10,7 +10,7 @@
  *
  * a brush over one element in a hundred of a settled layout: replace, settle.
  *
- *   bench_fill cases OUT
+ *   bench_fill cases OUT [NAME]
  *
  * ten cases, four ways: ours; as published (all at random places, no repair); and the
  * two-step alternative of [Hsu20] Fig. 21, a full field by Laplacian interpolation
@@ -100,7 +100,7 @@ static void speed(tz_ctx *ctx, int32_t count, int32_t iterations)
     bench_check(ctx, tz_fill_repair(f));
     const double t3 = bench_now();
     bench_check(ctx, tz_fill_write(f, &layout));
-    bench_check(ctx, tz_fill_measure(ctx, &layout, &field, 0, &r));
+    bench_check(ctx, tz_fill_measure(ctx, &layout, &palette, &field, 0, &r));
     printf("fill %d begin %.4f cpu %.4f iterate %.4f cpu %.4f each %.5f repair %.4f "
            "covered %.3f overlap %.4f peak %.0f\n",
            count, t1 - t0, c1 - c0, t2 - t1, c2 - c1, (t2 - t1) / iterations, t3 - t2,
@@ -339,7 +339,7 @@ static void run_case(tz_ctx *ctx, const test_case *c, const char *out)
         bench_check(ctx, tz_element_set_like(ctx, &palette, &d, &layout));
         bench_check(ctx, tz_fill_run(ctx, &job, &layout, &r));
         tz_fill_report m;
-        bench_check(ctx, tz_fill_measure(ctx, &layout, &field, 0, &m));
+        bench_check(ctx, tz_fill_measure(ctx, &layout, &palette, &field, 0, &m));
         printf("%-16s %-14s elements %4d covered %.3f overlap %.4f hole %.4f turn %5.2f "
                "align %5.2f shrunk %d dropped %d inserted %d seconds %.2f\n",
                c->name, way[k], m.elements, m.covered, m.overlap, m.hole / size.x,
@@ -369,7 +369,8 @@ int main(int argc, char **argv)
         return 1;
     if (strcmp(what, "cases") == 0 && argc > 2) {
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-            run_case(ctx, &cases[k], argv[2]);
+            if (argc < 4 || strstr(cases[k].name, argv[3]))
+                run_case(ctx, &cases[k], argv[2]);
     } else if (strcmp(what, "edit") == 0) {
         edit(ctx, argc > 2 ? atoi(argv[2]) : 10000);
     } else {
