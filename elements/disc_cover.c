@@ -13,7 +13,7 @@
 #include <string.h>
 
 enum { SIDE = 56, MARGIN = 4, ROOM = SIDE + 2 * MARGIN + 2, CELLS = ROOM * ROOM };
-#define LARGER 0.16
+#define LARGER 0.22
 
 double tz_shape_distance_at(const tz_shape_distance *d, tz_vec2 at, tz_vec2 *slope)
 {
@@ -218,7 +218,7 @@ static void greedy(work *w, tz_disc_cover *c, int32_t most, double share)
     while (c->n < most && left > (1 - share) * all) {
         double gain;
         const int32_t i = best_disc(w, -1, &gain);
-        if (i < 0 || gain < 0.01 * all)
+        if (i < 0 || gain < 0.02 * all)
             break;
         left -= gain;
         add_disc(c, place(d, i), (double)d->v[i]);

@@ -741,6 +741,21 @@ static tz_status compact(tz_power *p)
     return s;
 }
 
+/* Neighbours that a cell has lost: they may be hidden now, and nobody's neighbour. */
+static tz_status touch_lost(tz_power *p, int32_t i, int32_t start, int32_t count)
+{
+    tz_status s = TZ_OK;
+    for (int32_t k = start; k < start + count && s == TZ_OK; k++) {
+        const int32_t q = p->neighbour.v.v[k];
+        bool lost = p->mark[q] != p->stamp;
+        for (int32_t e = 0; e < p->count[i] && lost; e++)
+            lost = p->neighbour.v.v[p->start[i] + e] != q;
+        if (lost)
+            s = touch(p, q);
+    }
+    return s;
+}
+
 tz_status tz_power_change(tz_power *p, int32_t n, const tz_vec3 *at, const double *weight,
                           int32_t changed, const int32_t *which)
 {
@@ -758,13 +773,20 @@ tz_status tz_power_change(tz_power *p, int32_t n, const tz_vec3 *at, const doubl
         s = touch(p, which[k]);
     for (int32_t k = 0; k < changed && s == TZ_OK; k++)
         s = touch_neighbours(p, which[k]);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++) /* what was hidden may come forth */
+        if (p->count[i] == 0 && weight[i] >= 0)
+            s = touch(p, i);
     for (int32_t k = 0; k < p->dirty.v.n && s == TZ_OK; k++) {
         const int32_t i = p->dirty.v.v[k];
+        const int32_t start = p->start[i], count = p->count[i];
+        const bool hidden = count == 0;
         s = find_cell(p, i, &p->work[0]);
         if (s == TZ_OK)
             s = keep(p, &p->neighbour, i, &p->work[0]);
-        if (s == TZ_OK && k < changed)
+        if (s == TZ_OK && (k < changed || hidden))
             s = touch_neighbours(p, i);
+        if (s == TZ_OK)
+            s = touch_lost(p, i, start, count);
     }
     if (s != TZ_OK)
         forget(p);
