@@ -454,7 +454,7 @@ tz_status tz_curve_quilt(tz_ctx *ctx, const tz_curve_quilt_job *job, tz_curve_se
         p = *job->params;
     tz_status st = check_job(ctx, job);
     if (st == TZ_OK)
-        st = quilt_source_init(ctx, job->exemplar, &p, &s);
+        st = quilt_source_init(ctx, job->exemplar, job->domain, &p, &s);
     if (st == TZ_OK)
         st = map_init(ctx, &s, job->domain, &m);
     if (st == TZ_OK) {

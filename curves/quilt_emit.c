@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Runs to paths: a run goes on in the one that its end is paired with, if their pens are
- * the same. Nodes of the exemplar stay shared within a patch (a table finds them); on a
- * torus a path that runs on over the border goes on outside. */
+ * the same. Nodes of the exemplar stay shared within a patch (a table finds them). */
 #include <string.h>
 
 #include "curves/quilt_internal.h"
 
 typedef struct shared {
-    int32_t patch, node, sx, sy; /* shift in whole domains */
-    int32_t id;                  /* -1 = free */
+    int32_t patch, node;
+    int32_t id; /* -1 = free */
 } shared;
 
 typedef struct emitting {
@@ -20,30 +19,30 @@ typedef struct emitting {
     tz_curve_set *out;
     shared *table;
     uint64_t mask;
-    bool *seen;     /* runs */
-    int32_t *node;  /* per cut: node of the lower of a pair, or -1 */
-    int32_t sx, sy; /* shift of the run that is emitted */
+    bool *seen;    /* runs */
+    int32_t *node; /* per cut: node of the lower of a pair, or -1 */
 } emitting;
 
 /* ---- nodes -------------------------------------------------------------------------- */
 
-static tz_vec2 shifted(const emitting *e, tz_vec2 p)
+/* A new node, within the torus. */
+static tz_status add_node(emitting *e, tz_vec2 p, int32_t *id)
 {
-    return (tz_vec2){p.x + e->sx * e->m->domain->size.x,
-                     p.y + e->sy * e->m->domain->size.y};
+    if (e->m->domain->torus)
+        p = (tz_vec2){tz_domain_wrap_axis(p.x, e->m->domain->size.x),
+                      tz_domain_wrap_axis(p.y, e->m->domain->size.y)};
+    return tz_curve_add_node(e->out, p, id);
 }
 
 static tz_status node_of(emitting *e, int32_t patch, int32_t node, int32_t *id)
 {
-    const shared key = {patch, node, e->sx, e->sy, -1};
-    uint64_t at =
-        tz_rng_stream((uint64_t)patch, (uint64_t)node, (uint64_t)(e->sx * 8191 + e->sy)) &
-        e->mask;
+    const shared key = {patch, node, -1};
+    uint64_t at = tz_rng_stream((uint64_t)patch, (uint64_t)node, 0) & e->mask;
     for (;; at = (at + 1) & e->mask) {
         shared *t = &e->table[at];
         if (t->id < 0)
             break;
-        if (t->patch == patch && t->node == node && t->sx == e->sx && t->sy == e->sy) {
+        if (t->patch == patch && t->node == node) {
             *id = t->id;
             return TZ_OK;
         }
@@ -53,7 +52,7 @@ static tz_status node_of(emitting *e, int32_t patch, int32_t node, int32_t *id)
                   anchor = quilt_place_at(q, e->s->anchor[node]);
     const tz_vec2 p =
         tz_vec2_add(x, tz_vec2_sub(quilt_warp_at(&e->warp, patch, anchor), anchor));
-    const tz_status st = tz_curve_add_node(e->out, shifted(e, p), id);
+    const tz_status st = add_node(e, p, id);
     if (st == TZ_OK) {
         e->table[at] = key;
         e->table[at].id = *id;
@@ -61,22 +60,16 @@ static tz_status node_of(emitting *e, int32_t patch, int32_t node, int32_t *id)
     return st;
 }
 
-/* On a torus the two ends of a pair may lie a domain apart: each has its node then. */
+/* One for both cuts of a pair. */
 static tz_status node_of_cut(emitting *e, int32_t cut, int32_t *id)
 {
     const int32_t mate = e->r->cut.v[cut].mate;
     const int32_t key = mate >= 0 && mate < cut ? mate : cut;
-    const tz_vec2 p = shifted(e, e->r->cut.v[cut].to);
-    if (mate >= 0 && e->node[key] >= 0) {
-        const tz_vec2 q = e->out->node.v[e->node[key]];
-        if (tz_vec2_length(tz_vec2_sub(p, q)) < e->m->cx) {
-            *id = e->node[key];
-            return TZ_OK;
-        }
-    }
-    const tz_status st = tz_curve_add_node(e->out, p, id);
-    if (st == TZ_OK && e->node[key] < 0)
-        e->node[key] = *id;
+    tz_status st = TZ_OK;
+    if (e->node[key] < 0)
+        st = add_node(e, e->r->cut.v[cut].to, &e->node[key]);
+    if (st == TZ_OK)
+        *id = e->node[key];
     return st;
 }
 
@@ -115,37 +108,46 @@ static tz_bezier warped(const emitting *e, int32_t patch, const tz_bezier *b)
     return w;
 }
 
+/* Appends a curve that runs from node to node, or to copies of them. */
+static tz_status append(emitting *e, int32_t from, int32_t to, const tz_bezier *c,
+                        bool straight, const tz_curve_carry *carry)
+{
+    const tz_vec2 p = e->out->node.v[from], by = tz_vec2_sub(p, c->p[0]);
+    tz_curve_piece piece = {from, to, tz_vec2_add(c->p[1], by), tz_vec2_add(c->p[2], by),
+                            straight};
+    if (straight) {
+        const tz_bezier line = tz_bezier_line(
+            p, tz_curve_copy(&e->out->domain, e->out->node.v[to], piece.b));
+        piece.a = line.p[1], piece.b = line.p[2];
+    }
+    return tz_curve_add_piece(e->out, &piece, carry);
+}
+
 static tz_status put(emitting *e, const bit *x)
 {
-    tz_curve_set *o = e->out;
-    const tz_vec2 p = o->node.v[x->from], q = o->node.v[x->to];
-    const int32_t a = x->back ? x->to : x->from, b = x->back ? x->from : x->to;
-    tz_status st;
+    const tz_domain *d = &e->out->domain;
+    const tz_vec2 p = tz_curve_copy(d, e->out->node.v[x->from], x->b.p[0]),
+                  q = tz_curve_copy(d, e->out->node.v[x->to], x->b.p[3]);
+    const tz_curve_carry carry = {.origin = x->origin,
+                                  .taper = x->taper,
+                                  .has_origin = true,
+                                  .has_taper = e->s->set->taper.n > 0};
+    tz_bezier w = x->b;
     if (x->straight) {
         if (x->from == x->to)
             return TZ_OK; /* nothing to see */
-        st = tz_curve_line(o, a, b);
-    } else {
-        tz_bezier w = x->b;
-        if (!x->rigid && quilt_warp_near(&e->warp, x->patch, tz_bezier_at(&x->b, 0.5),
-                                         tz_bezier_length(&x->b)))
-            w = warped(e, x->patch, &x->b);
-        const tz_vec2 c[2] = {tz_vec2_add(p, tz_vec2_sub(w.p[1], w.p[0])),
-                              tz_vec2_add(q, tz_vec2_sub(w.p[2], w.p[3]))};
-        st = tz_curve_cubic(o, a, b, c[x->back], c[!x->back]);
+        w = tz_bezier_line(p, q);
+    } else if (!x->rigid && quilt_warp_near(&e->warp, x->patch, tz_bezier_at(&x->b, 0.5),
+                                            tz_bezier_length(&x->b))) {
+        w = warped(e, x->patch, &x->b);
     }
-    if (st == TZ_OK) {
-        tz_bezier g = x->origin;
-        if (x->back)
-            g = (tz_bezier){{g.p[3], g.p[2], g.p[1], g.p[0]}};
-        st = tz_array_push(e->ctx, &o->origin, g);
-    }
-    if (st == TZ_OK && e->s->set->taper.n) {
-        const tz_curve_taper t = x->taper;
-        st = tz_array_push(e->ctx, &o->taper,
-                           (x->back ? (tz_curve_taper){t.to, t.from} : t));
-    }
-    return st;
+    w = (tz_bezier){{p, tz_vec2_add(p, tz_vec2_sub(w.p[1], w.p[0])),
+                     tz_vec2_add(q, tz_vec2_sub(w.p[2], w.p[3])), q}};
+    if (!x->back)
+        return append(e, x->from, x->to, &w, x->straight, &carry);
+    const tz_bezier r = {{w.p[3], w.p[2], w.p[1], w.p[0]}};
+    const tz_curve_carry c = tz_curve_carry_back(&carry);
+    return append(e, x->to, x->from, &r, x->straight, &c);
 }
 
 static tz_bezier mapped(const quilt_patch *p, const tz_bezier *b)
@@ -192,13 +194,10 @@ static tz_status put_part(emitting *e, const quilt_run *run, const quilt_part *p
                                  quilt_width_at(s, part->piece, t1) *
                                      quilt_warp_width(&e->warp, run->patch, x.b.p[3])};
         if (k < n - 1 && !back) {
-            st = tz_curve_add_node(
-                e->out, shifted(e, quilt_warp_at(&e->warp, run->patch, x.b.p[3])), &x.to);
+            st = add_node(e, quilt_warp_at(&e->warp, run->patch, x.b.p[3]), &x.to);
             from = x.to;
         } else if (k > 0 && back) {
-            st = tz_curve_add_node(
-                e->out, shifted(e, quilt_warp_at(&e->warp, run->patch, x.b.p[0])),
-                &x.from);
+            st = add_node(e, quilt_warp_at(&e->warp, run->patch, x.b.p[0]), &x.from);
             to = x.from;
         }
         if (st == TZ_OK)
@@ -253,7 +252,6 @@ static int32_t onward(const emitting *e, int32_t run, int side)
 
 static tz_status put_chain(emitting *e, int32_t run)
 {
-    const tz_vec3 size = e->m->domain->size;
     int side = 0; /* entered there */
     int32_t first = run, at;
     /* back to where it begins, or once around */
@@ -265,7 +263,6 @@ static tz_status put_chain(emitting *e, int32_t run)
         side = 1 - e->r->cut.v[at].side;
     }
     tz_status st = tz_curve_begin(e->out, e->s->set->path.v[e->r->run.v[run].path].pen);
-    e->sx = e->sy = 0;
     int32_t on = first;
     bool closed = false;
     while (st == TZ_OK) {
@@ -274,9 +271,7 @@ static tz_status put_chain(emitting *e, int32_t run)
         at = onward(e, on, 1 - side);
         if (at < 0)
             break;
-        const quilt_cut *c = &e->r->cut.v[at], *b = &e->r->cut.v[c->mate];
-        e->sx += (int32_t)lround((b->to.x - c->to.x) / size.x);
-        e->sy += (int32_t)lround((b->to.y - c->to.y) / size.y);
+        const quilt_cut *c = &e->r->cut.v[at];
         on = c->run;
         side = c->side;
         if (e->seen[on]) {

@@ -65,6 +65,7 @@ typedef struct quilt_source {
     float *feature;       /* [(y fx + x) QUILT_CHANNELS + channel] */
     uint8_t *valid;       /* [y fx + x]: may be copied */
     int32_t fx, fy;
+    double rest;     /* share of lines that are not laid */
     bool loops;      /* nearly all of it are loops by themselves */
     double largest;  /* sides of things are below */
     int32_t *object; /* per path: thing that it is part of, or -1 */
@@ -146,7 +147,8 @@ typedef enum quilt_state {
 
 /* Width at t of a piece: linear by arc length. */
 double quilt_width_at(const quilt_source *s, int32_t piece, double t);
-tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set,
+/* @param domain  that is to be filled */
+tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set, const tz_domain *domain,
                             const tz_curve_quilt_params *p, quilt_source *s);
 void quilt_source_deinit(quilt_source *s);
 /* Puts a line into a cell unless one like it is there or the cell is full. */

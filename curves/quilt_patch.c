@@ -13,6 +13,9 @@
 #define ACROSS_MOST 2.0F
 #define ALONG_MOST  1.3F
 enum { TURN_MOST = 43 };
+/* What a step of the seam costs beside lines that agree: so that it crosses them, and does
+ * not run along them, where one copy may fall on either side. */
+#define QUILT_ALONG 0.1F
 
 /* ---- window ------------------------------------------------------------------------- */
 
@@ -455,7 +458,8 @@ static void compare(const quilt_source *s, const quilt_map *m, const quilt_patch
                 continue;
             const ptrdiff_t rim = rimmed(w, i, j);
             for (int k = 0; k < QUILT_SPOTS && w->old[rim].spot[k].pen; k++)
-                sum += find_line(w, w->fresh, rim, w->old[rim].spot[k], &across);
+                sum += QUILT_ALONG +
+                       find_line(w, w->fresh, rim, w->old[rim].spot[k], &across);
             for (int k = 0; k < QUILT_SPOTS && w->fresh[rim].spot[k].pen; k++)
                 sum += find_line(w, w->old, rim, w->fresh[rim].spot[k], &across);
             w->off[here] = sum;

@@ -101,7 +101,8 @@ static tz_status measure_boxes(quilt_source *s)
 }
 
 /* What may be copied: the domain without empty margins wider than half the spacing. */
-static void measure(quilt_source *s, const tz_curve_quilt_params *p)
+static void measure(quilt_source *s, const tz_domain *domain,
+                    const tz_curve_quilt_params *p)
 {
     const tz_vec3 size = s->set->domain.size;
     tz_vec2 lo = {INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY};
@@ -128,7 +129,10 @@ static void measure(quilt_source *s, const tz_curve_quilt_params *p)
         fmin((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / fmax(length, 1e-9), side);
     s->cell = fmin(fmax(s->spacing / 3.5, side / 128), side / 64);
     s->patch = (p->patch > 0 ? p->patch : 0.5) * side;
-    s->coarse = fmin(fmax(s->spacing / 1.5, s->patch / 40), s->patch / 24);
+    if (domain->torus) /* nothing may meet itself around it */
+        s->patch = fmin(s->patch, 0.8 * fmin(domain->size.x, domain->size.y));
+    s->coarse =
+        fmax(fmin(fmax(s->spacing / 1.5, s->patch / 40), s->patch / 24), side / 160);
 }
 
 /* ---- things ------------------------------------------------------------------------- */
@@ -182,7 +186,8 @@ static void box_things(const quilt_source *s, int32_t *up, thing *t)
     }
 }
 
-/* Things whose boxes overlap by half of the smaller are one (a wheel and its spokes). */
+/* Things that lie within others, as circles, are one with them (a wheel and its spokes).
+ * */
 static tz_status merge_things(quilt_source *s, int32_t *up, thing *t)
 {
     enum { MOST = 256 };
@@ -213,10 +218,11 @@ static tz_status merge_things(quilt_source *s, int32_t *up, thing *t)
         const int32_t m = tz_grid_query(&grid, mid, far, near, MOST);
         for (int32_t j = 0; j < (m < MOST ? m : MOST); j++) {
             const thing *b = &t[of.v[near[j]]];
-            const double ox = fmin(a->hi.x, b->hi.x) - fmax(a->lo.x, b->lo.x),
-                         oy = fmin(a->hi.y, b->hi.y) - fmax(a->lo.y, b->lo.y);
-            if (ox >= 0.5 * fmin(a->hi.x - a->lo.x, b->hi.x - b->lo.x) &&
-                oy >= 0.5 * fmin(a->hi.y - a->lo.y, b->hi.y - b->lo.y)) {
+            const tz_vec2 to = tz_vec2_scale(tz_vec2_add(b->lo, b->hi), 0.5);
+            const double ra = fmax(a->hi.x - a->lo.x, a->hi.y - a->lo.y) / 2,
+                         rb = fmax(b->hi.x - b->lo.x, b->hi.y - b->lo.y) / 2,
+                         apart = tz_vec2_length(tz_vec2_sub(to, mid));
+            if (apart + fmin(ra, rb) <= 1.05 * fmax(ra, rb)) {
                 const int32_t p = root(up, of.v[k]), q = root(up, of.v[near[j]]);
                 up[p > q ? p : q] = p > q ? q : p;
             }
@@ -326,15 +332,20 @@ static tz_status make_dabs(quilt_source *s)
     const int32_t w = (int32_t)((s->hi.x - s->lo.x) / (s->cell / 2)) + 1,
                   h = (int32_t)((s->hi.y - s->lo.y) / (s->cell / 2)) + 1;
     quilt_cell *fine = NULL;
+    double sum = 0, rest = 0;
     tz_status st = tz_alloc_zero(s->ctx, &fine, (size_t)w * (size_t)h, sizeof *fine);
     for (int32_t i = 0; i < set->path.n && st == TZ_OK; i++) {
         const tz_curve_path *p = &set->path.v[i];
         const uint8_t pen = (uint8_t)(p->pen < 254 ? p->pen + 1 : 255);
-        if (s->object[i] == QUILT_REST)
-            continue;
         for (int32_t k = p->piece; k < p->piece + p->pieces && st == TZ_OK; k++) {
             const tz_bezier b = tz_curve_bezier(set, &set->piece.v[k]);
-            const double n = fmin(ceil(tz_bezier_length(&b) / (s->cell / 3)), MOST);
+            const double length = tz_bezier_length(&b);
+            const double n = fmin(ceil(length / (s->cell / 3)), MOST);
+            sum += length;
+            if (s->object[i] == QUILT_REST) {
+                rest += length;
+                continue;
+            }
             for (int32_t j = 0; j < n && st == TZ_OK; j++) {
                 const double t = (j + 0.5) / n;
                 st = push_dab(s, fine, w, h,
@@ -343,6 +354,7 @@ static tz_status make_dabs(quilt_source *s)
             }
         }
     }
+    s->rest = sum > 0 ? fmin(0.7, rest / sum) : 0;
     tz_free(s->ctx, fine);
     return st;
 }
@@ -369,8 +381,8 @@ static tz_status measure_density(quilt_source *s)
     for (ptrdiff_t i = 0; i < (ptrdiff_t)w * h; i++)
         for (int k = 0; k < QUILT_SPOTS; k++)
             spots += cell[i].spot[k].pen != 0;
-    s->density =
-        (double)spots / ((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / (s->cell * s->cell));
+    s->density = (double)spots / (1 - s->rest) /
+                 ((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / (s->cell * s->cell));
     for (int32_t y = 0; y < s->fy; y++) {
         double row = 0;
         for (int32_t x = 0; x < s->fx; x++) {
@@ -489,13 +501,13 @@ static tz_status find_rigid(quilt_source *s)
     return TZ_OK;
 }
 
-tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set,
+tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set, const tz_domain *domain,
                             const tz_curve_quilt_params *p, quilt_source *s)
 {
     *s = (quilt_source){.ctx = ctx, .set = set, .original = set};
     tz_status st = measure_boxes(s);
     if (st == TZ_OK) {
-        measure(s, p);
+        measure(s, domain, p);
         st = find_things(s);
     }
     if (st == TZ_OK)
