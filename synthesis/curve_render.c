@@ -127,6 +127,11 @@ static tz_status settle_source(tz_ctx *ctx, tz_curve_composer *c,
                        "of %d x %d; use that",
                        im->width, im->height, c->set->element.photo.v[0].width,
                        c->set->element.photo.v[0].height);
+    if (map->channels > 4)
+        return tz_fail(ctx, TZ_INVALID,
+                       "render: lines are shown from pictures of up to 4 channels, this "
+                       "has %d; give its parts one by one",
+                       (int)map->channels);
     if (c->kind == TZ_MAP_NORMAL && tz_photo_colours(map) != 3)
         return tz_fail(ctx, TZ_INVALID, "render: a map of normals needs three channels");
     return TZ_OK;
@@ -201,6 +206,10 @@ tz_status tz_curve_composer_new(tz_ctx *ctx, const tz_element_ground *ground,
                            c->params.strip, &c->strips);
     if (s == TZ_OK && !c->photo && kind == TZ_MAP_COLOUR)
         s = tz_curve_lines_init(ctx, set, &c->canvas, c->params.width, &c->lines);
+    for (int32_t i = 0; i < c->lines.line.n && c->colours == 1; i++) { /* over grey */
+        tz_f4 *v = &c->lines.line.v[i].colour;
+        (*v)[0] = 0.2126F * (*v)[0] + 0.7152F * (*v)[1] + 0.0722F * (*v)[2];
+    }
     tz_free(ctx, photos);
     if (s == TZ_OK)
         *out = c;

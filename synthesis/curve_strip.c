@@ -308,11 +308,6 @@ tz_status tz_strips_init(tz_ctx *ctx, const tz_curve_set *set,
                      .kind = kind,
                      .channels = map->channels,
                      .decay = ground ? ground->params.decay : 96};
-    if (map->channels > 4)
-        return tz_fail(ctx, TZ_INVALID,
-                       "render: lines are shown from pictures of up to 4 channels, this "
-                       "has %d",
-                       (int)map->channels);
     tz_status st = find_origins(ctx, set, s);
     if (st == TZ_OK)
         st = measure_cells(ctx, set, s, &largest);
