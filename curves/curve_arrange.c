@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* AUTO:  quilt ─┬───────────────▶ finish ─▶ likeness ─┐
- *               └▶ optimise from ▶ finish ─▶ likeness ─┴▶ the better
+/* AUTO:  quilt ─▶ finish ─┬──────────────────────────▶ likeness ─┐
+ *                         └▶ optimise it ─▶ finish ─▶ likeness ─┴▶ the better
+ *        if that is poor:    optimise patches ─▶ finish ─▶ likeness ─▶ if better
  *
  * A quilt keeps the exemplar's own lines and is right but for its seams, so the optimiser
  * begins at its finest levels, to mend those and leave the rest. Regular patterns come out
@@ -10,6 +11,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "curves/clip.h"
 #include "curves/curve_edit.h"
 #include "curves/finish.h"
 #include "curves/reconstruct.h"
@@ -40,10 +42,10 @@ static const tz_param rows[] = {
     {"curve-patch", TZ_PARAM_DOUBLE, AT(quilt.patch), 0, 1, "0", "", NULL,
      "Curves: side of a quilted piece, in parts of the exemplar's shorter side; 0 = "
      "automatic."},
-    {"curve-overlap", TZ_PARAM_DOUBLE, AT(quilt.overlap), 0.05, 0.45, "0.35", "", NULL,
-     "Curves: by how much quilted pieces overlap, in parts of a piece."},
-    {"curve-candidates", TZ_PARAM_INT, AT(quilt.candidates), 1, 64, "6", "", NULL,
-     "Curves: pieces of the exemplar that are tried for each place."},
+    {"curve-overlap", TZ_PARAM_DOUBLE, AT(quilt.overlap), 0, 0.45, "0", "", NULL,
+     "Curves: by how much quilted pieces overlap, in parts of a piece; 0 = automatic."},
+    {"curve-candidates", TZ_PARAM_INT, AT(quilt.candidates), 0, 64, "0", "", NULL,
+     "Curves: pieces of the exemplar that are tried for each place; 0 = automatic."},
     {"curve-edges", TZ_PARAM_BOOL, AT(synthesis.edges), 0, 1, "true", "", NULL,
      "Curves: edges between samples count when neighbourhoods are compared."},
     {"curve-robust", TZ_PARAM_BOOL, AT(synthesis.robust), 0, 1, "true", "", NULL,
@@ -60,17 +62,20 @@ const tz_param_table tz_curve_arrange_param_table = {
 enum {
     WINDOW = 3,           /* exemplars a side that likeness is measured on, at most */
     MOST_SAMPLES = 30000, /* that AUTO optimises; more are only quilted */
+    FEW_SAMPLES = 6000,   /* that AUTO optimises twice */
     MOST_NEIGHBOURS = 64, /* of a sample, likewise */
     GIVEN_LEVELS = 1      /* the finest ones, which a quilt is optimised on */
 };
 #define MOST_PIECES 2e7
 #define MARGIN      0.02 /* by which an optimised layout must be more alike */
+#define POOR        1.3  /* unlikeness from which on AUTO also optimises from patches */
 
 typedef struct candidate {
     tz_curve_set set;
     double mean; /* NAN = not measured */
 } candidate;
 
+/** `quilted` ends up as what is taken. */
 typedef struct work {
     tz_ctx *ctx;
     const tz_curve_arrange_job *job;
@@ -199,7 +204,24 @@ static tz_status drop_given(tz_sample_graph *g)
     return tz_sample_graph_link(g);
 }
 
-/** Curves of a graph, cut at the border of the domain. */
+/** Cut at the border of the domain, and where what is given is complete. */
+static tz_status cut(const work *w, const tz_curve_set *whole, tz_curve_set *out)
+{
+    const tz_domain *d = w->job->domain;
+    const tz_curve_window border = {.size = d->torus ? (tz_vec2){0, 0}
+                                                     : (tz_vec2){d->size.x, d->size.y},
+                                    .region = d->region};
+    const tz_curve_window open = {.region = w->job->given_region, .outside = true};
+    tz_curve_set inside = {0};
+    if (!open.region)
+        return tz_curve_clip(w->ctx, whole, &border, out);
+    tz_status s = tz_curve_clip(w->ctx, whole, &border, &inside);
+    if (s == TZ_OK)
+        s = tz_curve_clip(w->ctx, &inside, &open, out);
+    tz_curve_set_deinit(&inside);
+    return s;
+}
+
 static tz_status draw(work *w, const tz_sample_graph *g, const tz_sample_graph *exemplar,
                       tz_curve_set *out)
 {
@@ -210,7 +232,7 @@ static tz_status draw(work *w, const tz_sample_graph *g, const tz_sample_graph *
                       : tz_curve_reconstruct(w->ctx, g, like, &whole);
     if (s == TZ_OK) {
         whole.domain = *w->job->domain;
-        s = tz_curve_choose(w->ctx, &whole, NULL, NULL, NULL, (tz_vec2){0, 0}, out);
+        s = cut(w, &whole, out);
     }
     tz_curve_set_deinit(&whole);
     return s;
@@ -251,7 +273,7 @@ static tz_status optimise(work *w, const tz_curve_set *start)
         w->optimised.set.element = elements;
         elements = (tz_element_set){0};
     }
-    w->report.solve = seconds() - begun;
+    w->report.solve += seconds() - begun;
     tz_element_set_deinit(&elements);
     tz_sample_graph_deinit(&g);
     tz_sample_graph_deinit(&exemplar);
@@ -277,24 +299,29 @@ tz_status tz_curve_arrange_judge(tz_ctx *ctx, const tz_curve_set *exemplar,
                                  tz_curve_likeness *out)
 {
     const tz_vec3 e = exemplar->domain.size, d = layout->domain.size;
-    const tz_domain window = {
+    const tz_domain part = {
         .size = {fmin(d.x, WINDOW * e.x), fmin(d.y, WINDOW * e.y), 0}};
-    const bool whole = (window.size.x >= d.x && window.size.y >= d.y) ||
+    const bool whole = (part.size.x >= d.x && part.size.y >= d.y) ||
                        layout->domain.region || layout->domain.frames;
-    const tz_vec2 from = {0.5 * (window.size.x - d.x), 0.5 * (window.size.y - d.y)};
-    tz_curve_set all = {0}, moved = {0}, part = {0};
+    const tz_curve_window window = {
+        .at = {0.5 * (d.x - part.size.x), 0.5 * (d.y - part.size.y)},
+        .size = {part.size.x, part.size.y}};
+    tz_curve_set all = {0}, seen = {0}, moved = {0};
     tz_status s = tz_curve_choose(ctx, layout, NULL, NULL, NULL, (tz_vec2){0, 0}, &all);
     if (s == TZ_OK && given)
         s = tz_curve_append(ctx, &all, given);
     if (s == TZ_OK && !whole)
-        s = tz_curve_choose(ctx, &all, NULL, NULL, &window, from, &moved);
-    if (s == TZ_OK && !whole)
-        s = tz_curve_choose(ctx, &moved, NULL, NULL, NULL, (tz_vec2){0, 0}, &part);
+        s = tz_curve_clip(ctx, &all, &window, &seen);
+    if (s == TZ_OK && !whole) {
+        seen.domain.torus = false; /* it is a cut-out, and lies as it is */
+        s = tz_curve_choose(ctx, &seen, NULL, NULL, &part, tz_vec2_scale(window.at, -1),
+                            &moved);
+    }
     if (s == TZ_OK)
-        s = tz_curve_compare(ctx, exemplar, whole ? &all : &part, out);
+        s = tz_curve_compare(ctx, exemplar, whole ? &all : &moved, out);
     tz_curve_set_deinit(&all);
+    tz_curve_set_deinit(&seen);
     tz_curve_set_deinit(&moved);
-    tz_curve_set_deinit(&part);
     return s;
 }
 
@@ -319,48 +346,97 @@ static tz_status judge(work *w, candidate *c)
 /* ---- all of it ------------------------------------------------------------------------
  */
 
-static tz_status run(work *w)
+/** The better of the two becomes the first. Without a measure that is the quilt. */
+static void choose(work *w)
 {
-    const int32_t method = w->params.method;
-    bool both = false;
-    tz_status s = method == TZ_CURVES_AUTO ? worth_optimising(w, &both) : TZ_OK;
-    if (s == TZ_OK && method != TZ_CURVES_OPTIMISE)
-        s = quilt(w);
-    if (s == TZ_OK && method != TZ_CURVES_OPTIMISE)
-        s = finish(w, &w->quilted);
-    both = both && w->quilted.set.path.n > 0;
-    if (s == TZ_OK && (both || method == TZ_CURVES_OPTIMISE))
-        s = optimise(w, both ? &w->quilted.set : NULL);
-    if (s == TZ_OK && (both || method == TZ_CURVES_OPTIMISE))
+    const double than = w->quilted.mean;
+    if (!(w->optimised.mean < than - MARGIN))
+        return;
+    const candidate worse = w->quilted;
+    w->quilted = w->optimised;
+    w->optimised = worse;
+    w->report.optimised = true;
+}
+
+/** Optimises, finishes, measures, and keeps it if it is better. */
+static tz_status try_optimised(work *w, const tz_curve_set *start)
+{
+    tz_curve_set_deinit(&w->optimised.set);
+    w->optimised = (candidate){.mean = NAN};
+    tz_status s = optimise(w, start);
+    if (s == TZ_OK)
         s = finish(w, &w->optimised);
-    w->quilted.mean = w->optimised.mean = NAN;
-    const bool measured = both || !w->job->unmeasured;
-    if (s == TZ_OK && measured && method != TZ_CURVES_OPTIMISE)
-        s = judge(w, &w->quilted);
-    if (s == TZ_OK && measured && (both || method == TZ_CURVES_OPTIMISE))
+    if (s == TZ_OK)
         s = judge(w, &w->optimised);
-    w->report.optimised = method == TZ_CURVES_OPTIMISE ||
-                          (both && w->optimised.mean < w->quilted.mean - MARGIN);
+    if (s == TZ_OK)
+        choose(w);
     return s;
+}
+
+static tz_status run_auto(work *w)
+{
+    bool worth = false;
+    tz_status s = quilt(w);
+    if (s == TZ_OK)
+        s = finish(w, &w->quilted);
+    if (s == TZ_OK && w->params.method == TZ_CURVES_AUTO)
+        s = worth_optimising(w, &worth);
+    worth = worth && w->quilted.set.path.n > 0;
+    if (s == TZ_OK && (worth || !w->job->unmeasured))
+        s = judge(w, &w->quilted);
+    if (s == TZ_OK && worth)
+        s = try_optimised(w, &w->quilted.set);
+    /* what does not quilt well may still come out of samples */
+    if (s == TZ_OK && worth && w->quilted.mean > POOR && w->report.samples <= FEW_SAMPLES)
+        s = try_optimised(w, NULL);
+    return s;
+}
+
+static tz_status run_optimise(work *w)
+{
+    tz_status s = optimise(w, NULL);
+    if (s == TZ_OK)
+        s = finish(w, &w->optimised);
+    if (s == TZ_OK && !w->job->unmeasured)
+        s = judge(w, &w->optimised);
+    w->quilted = w->optimised;
+    w->optimised = (candidate){.mean = NAN};
+    w->report.optimised = true;
+    return s;
+}
+
+/** What is left to the parts is theirs to say. */
+static void settle(tz_curve_arrange_params *p)
+{
+    tz_curve_quilt_params quilt;
+    tz_params_default(&tz_curve_quilt_param_table, &quilt);
+    if (!(p->quilt.overlap > 0))
+        p->quilt.overlap = quilt.overlap;
+    if (p->quilt.candidates <= 0)
+        p->quilt.candidates = quilt.candidates;
 }
 
 tz_status tz_curve_arrange(tz_ctx *ctx, const tz_curve_arrange_job *job,
                            tz_curve_set *out, tz_curve_arrange_report *report)
 {
-    work w = {.ctx = ctx, .job = job, .name = job->name ? job->name : "exemplar"};
+    work w = {.ctx = ctx,
+              .job = job,
+              .name = job->name ? job->name : "exemplar",
+              .quilted.mean = NAN,
+              .optimised.mean = NAN};
     *out = (tz_curve_set){0};
     if (job->params)
         w.params = *job->params;
     else
         tz_params_default(&tz_curve_arrange_param_table, &w.params);
     tz_status s = check(&w);
+    settle(&w.params);
     if (s == TZ_OK)
-        s = run(&w);
+        s = w.params.method == TZ_CURVES_OPTIMISE ? run_optimise(&w) : run_auto(&w);
     if (s == TZ_OK) {
-        candidate *best = w.report.optimised ? &w.optimised : &w.quilted;
-        w.report.mean = best->mean;
-        *out = best->set;
-        best->set = (tz_curve_set){0};
+        w.report.mean = w.quilted.mean;
+        *out = w.quilted.set;
+        w.quilted.set = (tz_curve_set){0};
         if (report)
             *report = w.report;
     }
