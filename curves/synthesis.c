@@ -130,6 +130,8 @@ static tz_status iterate(tz_curve_solve *t)
     if (s == TZ_OK)
         s = tz_curve_solve_edges(t);
     if (s == TZ_OK)
+        s = tz_curve_solve_pens(t);
+    if (s == TZ_OK)
         s = rebuild(t);
     if (s == TZ_OK)
         s = tz_curve_solve_shapes(t);

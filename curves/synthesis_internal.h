@@ -146,6 +146,8 @@ tz_status tz_curve_solve_positions(tz_curve_solve *t);
 tz_status tz_curve_solve_existence(tz_curve_solve *t);
 /** t->edge by Eq. (16) to (21) (synthesis_edges.c). */
 tz_status tz_curve_solve_edges(tz_curve_solve *t);
+/** One pen a line of t->edge (synthesis_pens.c). */
+tz_status tz_curve_solve_pens(tz_curve_solve *t);
 /** t->turn, with the turns of each sample at its number in order (synthesis_turns.c). */
 tz_status tz_curve_solve_turns(tz_curve_solve *t, tz_sample_graph *next);
 

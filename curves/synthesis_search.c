@@ -19,7 +19,7 @@
 enum { NEAR = 8, MOST_TRIED = 48 };
 #define REGION    4.0 /* radii: side of a region */
 #define WIDEST    (150.0 / 60)
-#define LACK      0.5          /* spacings that a missing sample costs */
+#define LACK      0.5         /* spacings that a missing sample costs */
 #define NARROWEST (25.0 / 60) /* windows, in radii of the first level's */
 
 typedef struct search {
@@ -164,7 +164,8 @@ static void draw(search *k, int32_t so, tz_assign *w, tried *c)
 {
     const tz_curve_solve *t = k->t;
     const double unit = t->levels.radius[0];
-    const uint64_t round = (uint64_t)((t->level * 1024 + t->iteration) * 16 + k->round);
+    const uint64_t round =
+        ((uint64_t)t->level * 1024 + (uint64_t)t->iteration) * 16 + (uint64_t)k->round;
     tz_rng r = tz_rng_make(t->job->seed, tz_rng_stream(0x5ea2c4, round, (uint64_t)so));
     const int32_t q = t->o.sample.v[so].q;
     for (double side = WIDEST; side >= NARROWEST; side /= 2) {

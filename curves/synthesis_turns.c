@@ -83,7 +83,8 @@ static int32_t elect(const tz_curve_solve *t, int32_t s, double *turn, tz_rng *r
             continue;
         const tz_curve_sample *q = &g->sample.v[v->seen[k]];
         const double w = (double)v->weight[v->centre[k]];
-        count_vote(&p, t->o.turn.v + me->turn, n, g->turn.v + q->turn, q->turns, frame, w);
+        count_vote(&p, t->o.turn.v + me->turn, n, g->turn.v + q->turn, q->turns, frame,
+                   w);
         sum += w * q->turns;
         seen += w;
     }
@@ -124,7 +125,7 @@ static tz_status turn_block(tz_ctx *ctx, void *arg, int64_t block, int worker)
     const int32_t n = t->o.sample.n;
     (void)ctx, (void)worker;
     for (int32_t s = (int32_t)block * 256; s < n && s < ((int32_t)block + 1) * 256; s++) {
-        const uint64_t round = (uint64_t)(t->level * 1024 + t->iteration);
+        const uint64_t round = (uint64_t)t->level * 1024 + (uint64_t)t->iteration;
         tz_rng r = tz_rng_make(t->job->seed, tz_rng_stream(0x7042e, round, (uint64_t)s));
         const tz_curve_sample *p = &t->o.sample.v[s];
         if (!p->fixed) {
