@@ -4,7 +4,7 @@
  *
  * What is stroked becomes paths; what is filled and long and thin (a stroke turned into
  * an outline) becomes its centre line, as wide as it was. Other filled shapes are no
- * curves. Transforms, viewBox, units, style attributes, CSS classes and <use> are
+ * curves, but may become elements. Transforms, viewBox, units, style attributes, CSS classes and <use> are
  * followed. */
 #ifndef TZ_CURVES_CURVE_IO_H
 #define TZ_CURVES_CURVE_IO_H
@@ -16,6 +16,8 @@ typedef struct tz_curve_read_options {
     double reach;   /**< gap that ends are joined over, as in tz_curve_join_params */
     bool as_drawn;  /**< paths are not joined, chained or thinned */
     bool crossings; /**< where paths cross they are joined */
+    bool elements;  /**< filled shapes that are no curves become elements (equal ones
+                         share a symbol); else they are left out, with a warning */
     bool outlines;  /**< filled shapes count as their outlines, not their centre lines */
 } tz_curve_read_options;
 

@@ -135,7 +135,7 @@ static bool in_view(const tz_element_reader *r, const tz_part *p)
            p->box.y0 - w < r->view.y;
 }
 
-static tz_status read_filled(reading *k, const tz_part *p)
+static tz_status read_filled(reading *k, tz_part *p)
 {
     tz_curve_set *set = k->set;
     const double side = fmin(k->r->view.x, k->r->view.y);
@@ -148,13 +148,16 @@ static tz_status read_filled(reading *k, const tz_part *p)
     }
     const tz_status s = tz_curve_centre_lines(k->r, p, 0.05 * side, set, &taken);
     k->filled += s == TZ_OK && !taken;
+    p->owned = taken;
     return s;
 }
 
-static tz_status read_part(reading *k, const tz_part *p)
+/* What is read as a curve, or does not show, is owned then. */
+static tz_status read_part(reading *k, tz_part *p)
 {
     tz_curve_set *set = k->set;
     int32_t pen;
+    p->owned = true;
     if (!in_view(k->r, p))
         return TZ_OK;
     if (set->path.n == 0 && is_background(k->r, p)) {
@@ -241,7 +244,9 @@ static tz_status read_shapes(reading *k)
         k->set->domain.torus = was_torus(r);
         tz_curve_wrap(k->set);
     }
-    if (s == TZ_OK && k->filled > 0)
+    if (s == TZ_OK && k->filled > 0 && k->opt->elements)
+        s = tz_element_from_parts(r);
+    else if (s == TZ_OK && k->filled > 0)
         tz_warn(r->ctx, "%s: %d filled shapes are no curves and are left out", r->name,
                 k->filled);
     if (s == TZ_OK && r->ignored > 0)
@@ -259,6 +264,18 @@ static tz_status no_curves(const tz_element_reader *r)
         r->name);
 }
 
+/* The elements that the reader has found are the set's. */
+static void take_elements(tz_element_reader *r, tz_curve_set *set)
+{
+    if (r->set.element.n == 0)
+        return;
+    tz_element_set_deinit(&set->element); /* what joining has made of none */
+    set->element = r->set;
+    set->element.domain = set->domain;
+    memset(&r->set, 0, sizeof r->set);
+    r->set.ctx = r->ctx;
+}
+
 static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options *opt,
                               tz_curve_set *out)
 {
@@ -270,11 +287,14 @@ static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options 
         s = no_curves(r);
     if (s == TZ_OK && opt->as_drawn) {
         *out = set;
+        take_elements(r, out);
         return TZ_OK;
     }
     if (s == TZ_OK)
         s = tz_curve_join(r->ctx, &set, &join, out);
     tz_curve_set_deinit(&set);
+    if (s == TZ_OK)
+        take_elements(r, out);
     if (s == TZ_OK && out->path.n == 0)
         s = no_curves(r);
     return s;
@@ -298,13 +318,13 @@ static tz_status keep_photos(tz_element_reader *r, tz_curve_set *set)
     tz_status s = read_photos(r, tz_svg_root(r->doc), 0);
     if (s == TZ_OK)
         s = tz_element_join_photos(r);
-    if (s != TZ_OK || r->set.photo.n == 0)
-        return s;
-    set->element = r->set;
+    for (int32_t i = 0; i < r->set.photo.n && s == TZ_OK; i++) {
+        s = tz_array_push(r->ctx, &set->element.photo, r->set.photo.v[i]);
+        if (s == TZ_OK)
+            memset(&r->set.photo.v[i], 0, sizeof r->set.photo.v[i]); /* moved */
+    }
     set->element.domain = set->domain;
-    memset(&r->set, 0, sizeof r->set);
-    r->set.ctx = r->ctx;
-    return TZ_OK;
+    return s;
 }
 
 /* ---- documents --------------------------------------------------------------------- */

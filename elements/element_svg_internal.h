@@ -99,6 +99,9 @@ typedef struct tz_element_reader {
 } tz_element_reader;
 
 /* element_svg_read.c */
+/** Elements, with symbols and kinds, of the shapes of a walked drawing that nothing owns;
+ * none at all is fine. Neither background nor what a border cuts in two is looked after. */
+tz_status tz_element_from_parts(tz_element_reader *r);
 /** Size of the view, and the map that moves its corner to 0, 0. */
 tz_status tz_element_view(tz_element_reader *r, tz_affine *map);
 void tz_element_reader_deinit(tz_element_reader *r);

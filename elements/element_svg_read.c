@@ -197,6 +197,25 @@ static tz_status read_drawing(tz_element_reader *r)
     return s;
 }
 
+tz_status tz_element_from_parts(tz_element_reader *r)
+{
+    r->set.domain = (tz_domain){.size = {r->view.x, r->view.y, 0}};
+    tz_status s = tz_element_group(r, 0, 0);
+    if (s == TZ_OK && r->thing.n > 2000000)
+        return tz_fail(r->ctx, TZ_LIMIT, "%s: over 2 million elements; split the drawing",
+                       r->name);
+    if (s == TZ_OK && r->thing.n > 0) {
+        qsort(r->thing.v, (size_t)r->thing.n, sizeof *r->thing.v, by_order);
+        s = tz_element_symbols(r, 0);
+    }
+    if (s != TZ_OK || r->set.element.n == 0)
+        return s;
+    s = drop_symbols(r);
+    if (s == TZ_OK)
+        s = rank_depths(r);
+    return s == TZ_OK ? tz_element_classes(r) : s;
+}
+
 static tz_status read_document(tz_element_reader *r, const char *text)
 {
     const char *kind = tz_svg_attr(tz_svg_root(r->doc), "tz:document");

@@ -309,6 +309,39 @@ static void test_with_elements(void **state)
     end_dir(dir);
 }
 
+/* Filled shapes among curves become elements where that is wanted: equal ones share a
+ * symbol, lines drawn as outlines stay lines, and all of it comes back. */
+static void test_leaves(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'>"
+        "<defs><path id='leaf' fill='green' d='M0 0C4 -4 8 -4 12 0C8 4 4 4 0 0Z'/></defs>"
+        "<path fill='none' stroke='black' d='M0 50C30 20 60 80 100 50'/>"
+        "<use href='#leaf' transform='translate(20 40)'/>"
+        "<use href='#leaf' transform='translate(50 50) rotate(40)'/>"
+        "<circle fill='red' cx='80' cy='20' r='6'/>"
+        "<path fill='blue' d='M5 90L95 90L95 91L5 91Z'/></svg>";
+    const tz_curve_read_options o = {.elements = true};
+    char dir[64], path[100];
+    tz_curve_set b;
+    ok(ctx, parse(text, &o));
+    assert_int_equal(set.path.n, 2);
+    assert_int_equal(set.element.element.n, 3);
+    assert_int_equal(set.element.symbol.n, 2);
+    assert_int_equal(set.element.element.v[0].symbol, set.element.element.v[1].symbol);
+    begin_dir(dir);
+    snprintf(path, sizeof path, "%s/a.svg", dir);
+    ok(ctx, tz_curve_write_svg(ctx, path, &set));
+    ok(ctx, tz_curve_read_svg(ctx, path, NULL, &b));
+    same(&set, &b);
+    assert_int_equal(b.element.element.n, 3);
+    tz_curve_set_deinit(&b);
+    end_dir(dir);
+    ok(ctx, parse(text, NULL));
+    assert_int_equal(set.element.element.n, 0);
+}
+
 /* A photo and a ground without any elements stay. */
 static void test_photo(void **state)
 {
@@ -565,6 +598,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_bad, begin, end),
         cmocka_unit_test_setup_teardown(test_round_trip, begin, end),
         cmocka_unit_test_setup_teardown(test_with_elements, begin, end),
+        cmocka_unit_test_setup_teardown(test_leaves, begin, end),
         cmocka_unit_test_setup_teardown(test_photo, begin, end),
         cmocka_unit_test_setup_teardown(test_paper, begin, end),
         cmocka_unit_test_setup_teardown(test_torus, begin, end),
