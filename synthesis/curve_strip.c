@@ -361,29 +361,32 @@ static tz_vec2 bend_of(const tz_bezier *c, double t) /* second derivative */
                           t * (c->p[3].y - 2 * c->p[2].y + c->p[1].y))};
 }
 
-/* |c'| (1 - curvature times b): how fast a place at distance b beside the line moves. */
-static double speed(const tz_bezier *c, double t, tz_vec2 slope, double b)
+/* Curvature at t, where the slope has that length. */
+static double curvature(const tz_bezier *c, double t, tz_vec2 slope, double length)
 {
-    const double l2 = tz_vec2_dot(slope, slope), l = sqrt(l2);
     const tz_vec2 d = bend_of(c, t);
-    const double k = l2 * l > 1e-12 ? (slope.x * d.y - slope.y * d.x) / (l2 * l) : 0;
-    return l * (1 - k * b);
+    return length > 1e-4 ? (slope.x * d.y - slope.y * d.x) / (length * length * length)
+                         : 0;
 }
 
 static void map_along(const tz_strips *s, const tz_near_place *q, tz_strip_map *out)
 {
     const tz_bezier *c = &s->near.piece.v[q->piece].at, *f = &s->from[q->piece];
     const tz_vec2 cs = tz_bezier_slope(c, q->t), fs = tz_bezier_slope(f, q->t);
-    const tz_vec2 T = tangent(c, q->t, cs), S = tangent(f, q->t, fs);
+    const double cl = tz_vec2_length(cs), fl = tz_vec2_length(fs);
+    const tz_vec2 T = cl > 1e-6 ? tz_vec2_scale(cs, 1 / cl) : tangent(c, q->t, cs),
+                  S = fl > 1e-6 ? tz_vec2_scale(fs, 1 / fl) : tangent(f, q->t, fs);
     const tz_vec2 at = tz_bezier_at(f, q->t);
     const double k = s->shrink, a = tz_vec2_dot(q->offset, T),
                  b = q->offset.y * T.x - q->offset.x * T.y;
     out->u = at.x + k * (a * S.x - b * S.y);
     out->v = at.y + k * (a * S.y + b * S.x);
-    const double slow = speed(c, q->t, cs, b), fast = speed(f, q->t, fs, b * k);
     double sigma = k;
-    if (q->t > 0 && q->t < 1)
-        sigma = slow * 4 * k > fast && fast > 0 ? fast / slow : fast > 0 ? 4 * k : 0;
+    if (q->t > 0 && q->t < 1) { /* how fast places at that distance move */
+        const double slow = cl * (1 - b * curvature(c, q->t, cs, cl)),
+                     fast = fl * (1 - b * k * curvature(f, q->t, fs, fl));
+        sigma = !(fast > 0) ? 0 : fast < 4 * k * slow ? fast / slow : 4 * k;
+    }
     out->f[0] = (float)(sigma * S.x * T.x + k * S.y * T.y);
     out->f[1] = (float)(sigma * S.x * T.y - k * S.y * T.x);
     out->f[2] = (float)(sigma * S.y * T.x - k * S.x * T.y);

@@ -200,9 +200,10 @@ static void what_does_not_fit_is_refused(void **state)
     for (int32_t i = 0; i < s.origin.n; i++)
         s.origin.v[i].p[0].x = NAN;
     refused(&s, &(look){.photo = &w.px}, 0, TZ_INVALID, "none of its lines");
+    const double x = s.node.v[3].x;
     s.node.v[3].x = INFINITY;
     refused(&s, &(look){0}, 0, TZ_INVALID, "path");
-    s.node.v[3].x = 0;
+    s.node.v[3].x = x;
     tz_curve_composer *c = composer_of(ctx, &s, &(look){.strip = -1});
     tz_image im;
     OK(tz_curve_composer_image(ctx, c, 20, 20, &im));
