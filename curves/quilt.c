@@ -10,6 +10,7 @@
  *
  * Places whose windows do not touch are laid at once: rows are walked aslant (a place
  * needs those at its left and above), in an order that depends on places only. */
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -93,6 +94,7 @@ static void map_deinit(quilt_map *m)
 
 static void mark_given(quilt_map *m, tz_vec2 at, double reach)
 {
+    assert(m->nx > 0 && m->ny > 0);
     const int32_t rx = (int32_t)(reach / m->cx), ry = (int32_t)(reach / m->cy);
     const int32_t x = (int32_t)floor(at.x / m->cx), y = (int32_t)floor(at.y / m->cy);
     for (int32_t j = y - ry; j <= y + ry; j++)

@@ -364,7 +364,7 @@ static tz_status put_elements(emitting *e)
                 continue;
             const int32_t n = tz_grid_query(&grid, at, 2 * most, near, MOST);
             bool room = true;
-            for (int32_t j = 0; j < (n < MOST ? n : MOST) && room; j++) {
+            for (int32_t j = 0; j < (n < MOST ? n : MOST) && room && patch.v; j++) {
                 const tz_element *y = &e->out->element.element.v[near[j]];
                 const tz_vec3 v =
                     tz_domain_vector(e->m->domain, y->at, (tz_vec3){at.x, at.y, 0});

@@ -99,10 +99,8 @@ static void marry(quilt_runs *r, int32_t a, int32_t b)
 
 /* ---- groups ------------------------------------------------------------------------- */
 
-static int by_group(const void *x, const void *y, void *arg)
+static int by_group(const pairing *q, const link *a, const link *b)
 {
-    const pairing *q = arg;
-    const link *a = x, *b = y;
     const int32_t ga = q->up[a->a], gb = q->up[b->a];
     if (ga != gb)
         return ga < gb ? -1 : 1;
@@ -121,11 +119,9 @@ static void sort_links(const pairing *q, link *v, link *scratch, int32_t n)
             const int32_t mid = i + w < n ? i + w : n, end = mid + w < n ? mid + w : n;
             int32_t a = i, b = mid, o = i;
             while (a < mid || b < end)
-                scratch[o++] =
-                    b >= end ||
-                            (a < mid && by_group(&v[a], &v[b], (void *)(uintptr_t)q) <= 0)
-                        ? v[a++]
-                        : v[b++];
+                scratch[o++] = b >= end || (a < mid && by_group(q, &v[a], &v[b]) <= 0)
+                                   ? v[a++]
+                                   : v[b++];
             if (end == n)
                 break;
         }
@@ -172,7 +168,7 @@ static int32_t index_in(int32_t *list, int32_t *n, int32_t id)
 
 static bool assign_group(pairing *q, const link *v, int32_t n, tz_assign *a)
 {
-    int32_t row[TZ_ASSIGN_MOST], col[TZ_ASSIGN_MOST];
+    int32_t row[TZ_ASSIGN_MOST] = {0}, col[TZ_ASSIGN_MOST] = {0};
     if (n > 2048 || !colour_group(q, v, n))
         return false;
     a->rows = a->cols = 0;

@@ -10,14 +10,14 @@
 #include "curves/quilt_internal.h"
 
 enum { FREE, SOURCE, SINK };
-enum { NO_PARENT = -1, IS_ROOT = 4, UNIT = 1000 };
+enum { IS_ROOT = 4, NO_PARENT, UNIT = 1000 };
 
 typedef struct quilt_flow {
     tz_ctx *ctx;
     int32_t most, w, h; /* cells in all; sides with the rim */
     int32_t step[4];
     int32_t *room;        /* [4 cell + direction]: residual capacity */
-    int8_t *tree, *up;    /* tree of each cell; direction of its parent */
+    uint8_t *tree, *up;   /* tree of each cell; direction of its parent */
     int32_t *stamp, *way; /* last time the root was seen, distance to it then */
     int32_t *queue;       /* active cells, a ring */
     uint8_t *queued;
@@ -170,7 +170,7 @@ static void adopt(quilt_flow *f, int32_t i)
             to = d;
         }
     }
-    f->up[i] = (int8_t)to;
+    f->up[i] = (uint8_t)to;
     if (to != NO_PARENT) {
         f->stamp[i] = f->time;
         f->way[i] = best + 1;
@@ -199,8 +199,8 @@ static bool grow(quilt_flow *f, int32_t i, int32_t meet[2], int *way)
         if (*room_from(f, i, d, j, tree) == 0)
             continue;
         if (f->tree[j] == FREE) {
-            f->tree[j] = (int8_t)tree;
-            f->up[j] = (int8_t)((d + 2) & 3);
+            f->tree[j] = (uint8_t)tree;
+            f->up[j] = (uint8_t)((d + 2) & 3);
             f->stamp[j] = f->stamp[i];
             f->way[j] = f->way[i] + 1;
             activate(f, j);
