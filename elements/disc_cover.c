@@ -335,16 +335,17 @@ static void make_graph(const work *w, tz_disc_cover *c)
 static void measure_cover(const work *w, tz_disc_cover *c)
 {
     const tz_shape_distance *d = w->d;
-    double in = 0, both = 0, discs = 0;
+    double in = 0, both = 0, discs = 0, area = 0;
     for (int32_t i = 0; i < d->width * d->height; i++) {
         const tz_vec2 p = place(d, i);
         bool under = false;
         for (int k = 0; k < c->n && !under; k++)
             under =
                 hypot(p.x - c->disc[k].at.x, p.y - c->disc[k].at.y) <= c->disc[k].radius;
+        area += fmin(fmax((double)d->v[i] / d->cell + 0.5, 0), 1);
         in += w->in[i], discs += under, both += under && w->in[i];
     }
-    c->area = in * d->cell * d->cell;
+    c->area = area * d->cell * d->cell; /* border cells in part */
     c->covered = in > 0 ? both / in : 0;
     c->beyond = discs > 0 ? 1 - both / discs : 0;
 }

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * What the tests of element fields share. Include after tests/base/check.h. */
+#ifndef TZ_TESTS_FILLING_H
+#define TZ_TESTS_FILLING_H
+
+#include <math.h>
+#include <string.h>
+
+#include "elements/element_io.h"
+#include "elements/fill.h"
+
+/** A leaf, a disc and a bar, `scale` times as large. */
+static inline tz_status filling_palette(tz_ctx *ctx, double scale, tz_element_set *s)
+{
+    char text[2048];
+    snprintf(text, sizeof text,
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %g %g\">"
+             "<g transform=\"scale(%g)\">"
+             "<path d=\"M10,20 C15,15 24,15 30,20 C24,25 15,25 10,20Z\"/>"
+             "<circle cx=\"60\" cy=\"20\" r=\"4\"/>"
+             "<path d=\"M80,18 L112,18 L112,22 L80,22Z\"/></g></svg>",
+             120 * scale, 40 * scale, scale);
+    return tz_element_parse_svg(ctx, "palette", text, strlen(text), NULL, s);
+}
+
+static inline tz_fill_params filling_params(int32_t iterations)
+{
+    tz_fill_params p;
+    memset(&p, 0, sizeof p);
+    tz_params_default(&tz_fill_param_table, &p);
+    p.iterations = iterations;
+    return p;
+}
+
+/** One wavy stroke over a domain; `turned`: about its middle by a quarter turn. */
+static inline tz_status filling_field(tz_ctx *ctx, tz_vec3 size, bool torus, bool turned,
+                                      tz_element_field *f)
+{
+    tz_element_field_point p[24];
+    const tz_element_field_stroke stroke = {
+        .radius = 0.02 * size.x, .weight = 1, .directed = true};
+    for (int k = 0; k < 24; k++) {
+        const double x = (0.1 + 0.8 * k / 23) * size.x;
+        const double y = (0.5 + 0.2 * sin(k * 0.27)) * size.y;
+        p[k] = (tz_element_field_point){
+            turned ? (tz_vec2){size.y - y, x} : (tz_vec2){x, y}, 0, -1};
+    }
+    tz_status s = tz_element_field_init(ctx, size, torus, 256, f);
+    if (s == TZ_OK)
+        s = tz_element_field_add(f, stroke, 24, p);
+    if (s == TZ_OK)
+        s = tz_element_field_settle(f);
+    if (s != TZ_OK)
+        tz_element_field_deinit(f);
+    return s;
+}
+
+#endif
