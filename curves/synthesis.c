@@ -144,13 +144,11 @@ static tz_status iterate(tz_curve_solve *t)
 static tz_status run_level(tz_curve_solve *t)
 {
     tz_status s = TZ_OK;
-    for (int32_t i = 0; i < t->p.iterations && s == TZ_OK; i++) {
+    for (int32_t i = 0; i < t->p.iterations && t->o.sample.n > 0 && s == TZ_OK; i++) {
         t->iteration = i;
         t->last = i + 1 == t->p.iterations;
         s = tz_ctx_cancelled(t->ctx) ? TZ_CANCELLED : iterate(t);
         tz_progress_add(t->ctx, 1);
-        if (s == TZ_OK && t->o.sample.n == 0)
-            break;
     }
     return s;
 }
@@ -204,7 +202,6 @@ static void release(tz_curve_solve *t)
     tz_array_free(t->ctx, &t->body);
     tz_array_free(t->ctx, &t->extra);
     tz_array_free(t->ctx, &t->edge);
-    tz_array_free(t->ctx, &t->turn);
 }
 
 static tz_status check(tz_ctx *ctx, const tz_curve_synthesis_job *job,

@@ -8,7 +8,21 @@
  *   level: { search (PatchMatch); assign positions, existence, edges, orientations } x 7
  *   between levels: samples of the next spacing along what the last level has drawn
  *
- * @source [Tu20] Sec. 4.3, Eq. (12) to (21), App. A */
+ * On a plain domain, and along a region's border, more is synthesised than is asked for
+ * (three fifths of the first level's radius) and then cut away but for the edges that run
+ * over the border: clip what is reconstructed.
+ *
+ * @source [Tu20] Sec. 4.3, Eq. (12) to (21), App. A. Deviates, as broken ends and crowded
+ *   lines remain else:
+ *   - spacings shrink to the room that a line of the exemplar has, the finest level's most;
+ *   - a match pays for samples that it lacks, too, and matches that are good have more say;
+ *   - ends that the exemplar's border cuts, and places beyond it, have no say;
+ *   - edges hold the length and direction of the exemplar's edge that they are like;
+ *   - candidates and crowding go by the exemplar's own least distances, not by delta;
+ *   - patches bring edges and matches along, levels hand matches down, the last iteration
+ *     of a level adds nothing, a line keeps one pen;
+ *   - given curves with origins are sampled where the exemplar is, and what of them is just
+ *     as there stays to the bit. */
 #ifndef TZ_CURVES_SYNTHESIS_H
 #define TZ_CURVES_SYNTHESIS_H
 
@@ -27,7 +41,8 @@ typedef struct tz_curve_synthesis_params {
     int32_t start;      /**< tz_curve_start */
     int32_t levels;     /**< 1 .. TZ_SAMPLE_LEVELS; with GIVEN the last ones of them */
     int32_t iterations; /**< a level; 7 */
-    double scale;       /**< of spacings and radii against tz_sample_levels_default; 1 */
+    double scale;       /**< of spacings and radii against those that are chosen for the
+                             exemplar (from tz_sample_levels_default downwards); 1 */
     bool edges;         /**< edges count in matching; off: Fig. 16, no edge term */
     bool robust;    /**< samples may stay unmatched; off: Fig. 16, no robust matching */
     bool existence; /**< samples come and go; off: Fig. 16, no existence step */
@@ -48,7 +63,7 @@ typedef struct tz_curve_synthesis_job {
     const tz_domain *domain;      /**< size, torus, region, frames */
     const tz_curve_set *given; /**< NULL, or what is drawn there already, in the domain's
                                        coordinates: stays as it is, and what is made fits it */
-    const tz_curve_set *start; /**< for TZ_CURVE_GIVEN */
+    const tz_curve_set *start; /**< for TZ_CURVE_GIVEN; best with origins */
     const tz_curve_synthesis_params *params; /**< NULL = defaults */
     uint64_t seed;
     /** NULL, or called after each iteration with the graph as it is; `user` is handed on.

@@ -88,14 +88,12 @@ typedef struct tz_curve_solve {
     extra; /**< samples to add; turn = exemplar's sample that each is like */
     TZ_ARRAY(tz_curve_edge)
     edge; /**< the next edges */
-    TZ_ARRAY(double)
-    turn; /**< the next orientations */
 } tz_curve_solve;
 
 /** Depth of a place in what is synthesised: the domain and the margin about it. */
 static inline double tz_curve_solve_depth(const tz_curve_solve *t, tz_vec2 p)
 {
-    return tz_domain_depth(&t->job->domain[0], (tz_vec3){p.x, p.y, 0}) + t->margin;
+    return tz_domain_depth(t->job->domain, (tz_vec3){p.x, p.y, 0}) + t->margin;
 }
 static inline double tz_curve_solve_frame(const tz_curve_solve *t, tz_vec2 p)
 {
@@ -148,7 +146,8 @@ tz_status tz_curve_solve_existence(tz_curve_solve *t);
 tz_status tz_curve_solve_edges(tz_curve_solve *t);
 /** One pen a line of t->edge (synthesis_pens.c). */
 tz_status tz_curve_solve_pens(tz_curve_solve *t);
-/** t->turn, with the turns of each sample at its number in order (synthesis_turns.c). */
+/** Orientations of the samples of `next`: those that stay, in order, then those that come
+ * (synthesis_turns.c). */
 tz_status tz_curve_solve_turns(tz_curve_solve *t, tz_sample_graph *next);
 
 /** Poses of the output's elements (synthesis_elements.c): brings their samples back into

@@ -70,8 +70,8 @@ static int32_t find_regions(const tz_curve_solve *t, int32_t *region)
         hi = (tz_vec2){fmax(hi.x, p.x), fmax(hi.y, p.y)};
     }
     const double side = REGION * t->x->g.radius;
-    const int32_t nx = (int32_t)fmin((hi.x - lo.x) / side + 1, 1024),
-                  ny = (int32_t)fmin((hi.y - lo.y) / side + 1, 1024);
+    const int32_t nx = (int32_t)fmin(fmax((hi.x - lo.x) / side, 0) + 1, 1024),
+                  ny = (int32_t)fmin(fmax((hi.y - lo.y) / side, 0) + 1, 1024);
     for (int32_t i = 0; i < g->sample.n; i++) {
         const tz_vec2 p = g->sample.v[i].at;
         const int32_t x = (int32_t)fmin((p.x - lo.x) / side, nx - 1),
@@ -235,7 +235,7 @@ void tz_curve_solve_forget(tz_curve_solve *t)
     t->want = NULL;
     t->move = NULL;
     t->drop = NULL;
-    t->extra.n = t->edge.n = t->turn.n = 0;
+    t->extra.n = t->edge.n = 0;
 }
 
 /* Outliers that would lie beyond the exemplar's border say nothing. */
