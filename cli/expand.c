@@ -248,8 +248,8 @@ static const tz_example examples[] = {
     {"Keep the layout, edit it in Inkscape, and render it again:",
      "terrazzo expand mossy_bark.jpg -o bark.png --save-layout bark.svg && "
      "terrazzo render bark.svg -o bark_edited.png"},
-    {"The cracks of a rock, arranged anew with the stone between them:",
-     "terrazzo expand mud.png -o mud_big.png --as curves --seed 3"},
+    {"The joints of a wall arranged anew, with the bricks between them:",
+     "terrazzo expand brick.png -o joints.png --as curves --seed 3"},
     {"To another program:",
      "terrazzo expand grass.png -o - --format png --quiet | display -"},
 };
