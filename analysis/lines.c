@@ -128,13 +128,13 @@ static tz_status complete(search *f, track *t)
     t->tidy.gap = gap > 0 ? gap : gap < 0 ? 0 : fmin(fmax(3 * mean_width(&t->g), 10), 40);
     tz_status s = tz_line_graph_bridge(&t->g, &t->field, &t->tidy);
     if (s == TZ_OK)
-        s = tz_line_graph_mend(&t->g);
-    if (s == TZ_OK)
         s = tz_line_graph_smooth(&t->g, 1);
     if (s == TZ_OK)
         s = tz_line_graph_measure(&t->g, f->grey);
     if (s == TZ_OK)
-        s = tz_line_graph_smooth(&t->g, 1.2);
+        s = tz_line_graph_mend(&t->g);
+    if (s == TZ_OK)
+        s = tz_line_graph_smooth(&t->g, 1.5);
     return s == TZ_OK ? tz_line_graph_append(&f->g, &t->g) : s;
 }
 

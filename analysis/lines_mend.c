@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #define NEAR    1.1  /* of the width: junctions nearer than that are one */
-#define CUT     0.7  /* of the width: cut back */
+#define CUT     1.0  /* of the width: cut back */
 #define RING    8    /* widths: rings no longer than that are none */
 #define DAMPING 0.05 /* keeps a junction of parallel lines in place */
 
@@ -149,7 +149,7 @@ static bool cut_end(const tz_line_graph *g, int32_t end, double reach, stub *out
     const tz_line_chain *c = &g->chain.v[end >> 1];
     const tz_vec2 tip = tz_line_chain_point(g, c, end & 1, 0)->at;
     int32_t i = 1, k;
-    if (c->length < 3 * reach || c->n < 4)
+    if (c->length < 2.2 * reach || c->n < 4)
         return false;
     while (i < c->n - 2 && tz_vec2_length(tz_vec2_sub(
                                tz_line_chain_point(g, c, end & 1, i)->at, tip)) < reach)
@@ -219,7 +219,7 @@ static tz_status straighten_all(tz_line_graph *g)
         for (int32_t k = 0; k < n; k++)
             stubs += cut_end(g, e[k], reach, &b[stubs]);
         if (stubs > 1)
-            g->node.v[i] = meet(b, stubs, g->node.v[i], reach);
+            g->node.v[i] = meet(b, stubs, g->node.v[i], 0.5 * reach);
         for (int32_t k = 0; k < stubs; k++)
             straighten(g, &b[k], g->node.v[i]);
         for (int32_t k = 0; k < n; k++)

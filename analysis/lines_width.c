@@ -10,9 +10,10 @@
 
 #include <math.h>
 
-#define AROUND 3    /* points to either side that are averaged */
-#define MOST   129  /* samples of a profile */
-#define BLUR   1.44 /* 2.4 b */
+#define NEAR_END 0.9  /* of the width */
+#define AROUND   3    /* points to either side that are averaged */
+#define MOST     129  /* samples of a profile */
+#define BLUR     1.44 /* 2.4 b */
 
 typedef struct gauge {
     tz_line_graph *g;
@@ -137,6 +138,28 @@ static void gauge_border(const gauge *j, tz_line_chain *c, tz_line_point *p)
     c->strength = fabs(step) / c->n;
 }
 
+/* Near its ends a chain runs into others, which its profiles cannot be told from: what
+ * lies within about a width of an end is as wide as the chain is there, and stays. */
+static void keep_ends(const tz_line_chain *c, const tz_line_point *p, double *move,
+                      tz_line_point *fresh)
+{
+    const double reach = fmin(NEAR_END * c->width, c->length / 3);
+    for (int end = 0; end < 2 && c->node[0] >= 0; end++) {
+        const int step = end ? -1 : 1;
+        double far = 0;
+        int32_t i = end ? c->n - 1 : 0, k;
+        const int32_t first = i;
+        while (i + step >= 0 && i + step < c->n && far < reach) {
+            far += tz_vec2_length(tz_vec2_sub(p[i + step].at, p[i].at));
+            i += step;
+        }
+        for (k = first; k != i; k += step) {
+            fresh[k].width = fresh[i].width;
+            move[k] = 0;
+        }
+    }
+}
+
 static tz_status gauge_chain(tz_ctx *ctx, void *arg, int64_t at, int worker)
 {
     const gauge *j = arg;
@@ -153,8 +176,10 @@ static tz_status gauge_chain(tz_ctx *ctx, void *arg, int64_t at, int worker)
         s = tz_alloc(ctx, &move, (size_t)c->n, sizeof *move);
     for (int32_t i = 0; i < c->n && s == TZ_OK; i++)
         gauge_point(j, c, p, i, &fresh[i], &move[i]);
-    if (s == TZ_OK)
+    if (s == TZ_OK) {
+        keep_ends(c, p, move, fresh);
         centre(c, p, move, fresh);
+    }
     for (int32_t i = 0; i < c->n && s == TZ_OK; i++)
         p[i] = fresh[i];
     if (s == TZ_OK)
