@@ -460,6 +460,7 @@ tz_status tz_curve_quilt(tz_ctx *ctx, const tz_curve_quilt_job *job, tz_curve_se
     if (st == TZ_OK)
         st = map_init(ctx, &s, job->domain, &m);
     if (st == TZ_OK) {
+        m.given = job->given;
         take_given(&s, job, &m);
         st = lay_all(ctx, job, &p, &s, &m, &done.patches);
     }

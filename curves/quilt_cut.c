@@ -176,6 +176,50 @@ static tz_status cut_patch(cutting *c)
     return st;
 }
 
+/* Label of the nearest place within two cells that is not given; QUILT_GIVEN = none. */
+static int32_t beside_given(const quilt_map *m, tz_vec2 p)
+{
+    for (int r = 1; r <= 2; r++)
+        for (int k = 0; k < 8; k++) {
+            const tz_vec2 q = {p.x + r * m->cx * cos(k * TZ_PI / 4),
+                               p.y + r * m->cy * sin(k * TZ_PI / 4)};
+            const int32_t label = quilt_label(m, q);
+            if (label >= 0)
+                return label;
+        }
+    return QUILT_GIVEN;
+}
+
+/* Ends of given paths beside what is laid: they wait for a line that meets them. */
+static tz_status cut_given(tz_ctx *ctx, const quilt_map *m, quilt_runs *r)
+{
+    const tz_curve_set *g = m->given;
+    tz_status st = TZ_OK;
+    for (int32_t i = 0; g && i < g->path.n && st == TZ_OK; i++)
+        for (int side = 0; side < 2 && !g->path.v[i].closed && st == TZ_OK; side++) {
+            const tz_curve_path *p = &g->path.v[i];
+            const tz_bezier b = tz_curve_bezier(
+                g, &g->piece.v[side ? p->piece + p->pieces - 1 : p->piece]);
+            const tz_vec2 d = tz_bezier_slope(&b, side ? 1 - 1e-6 : 1e-6),
+                          at = side ? b.p[3] : b.p[0];
+            const double n = tz_vec2_length(d), k = (side ? 1 : -1) / fmax(n, 1e-300);
+            const int32_t other = beside_given(m, at);
+            if (other < 0 || !(n > 0))
+                continue;
+            st = tz_array_push(ctx, &r->cut,
+                               ((quilt_cut){.at = at,
+                                            .out = {d.x * k, d.y * k},
+                                            .run = -1,
+                                            .side = side,
+                                            .patch = QUILT_GIVEN,
+                                            .other = other,
+                                            .pen = p->pen,
+                                            .mate = -1,
+                                            .fixed = true}));
+        }
+    return st;
+}
+
 tz_status quilt_cut_runs(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
                          quilt_runs *r)
 {
@@ -189,7 +233,7 @@ tz_status quilt_cut_runs(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
         if (tz_ctx_cancelled(ctx))
             st = TZ_CANCELLED;
     }
-    return st;
+    return st == TZ_OK ? cut_given(ctx, m, r) : st;
 }
 
 void quilt_runs_deinit(quilt_runs *r)

@@ -64,7 +64,8 @@ static tz_status node_of(emitting *e, int32_t patch, int32_t node, int32_t *id)
 static tz_status node_of_cut(emitting *e, int32_t cut, int32_t *id)
 {
     const int32_t mate = e->r->cut.v[cut].mate;
-    const int32_t key = mate >= 0 && mate < cut ? mate : cut;
+    const bool bridge = e->r->cut.v[cut].bridge;
+    const int32_t key = mate >= 0 && mate < cut && !bridge ? mate : cut;
     tz_status st = TZ_OK;
     if (e->node[key] < 0)
         st = add_node(e, e->r->cut.v[cut].to, &e->node[key]);
@@ -235,6 +236,22 @@ static tz_status put_run(emitting *e, int32_t run, bool back)
     return st;
 }
 
+/* The line between two cuts that are joined over a gap: of no origin. */
+static tz_status put_bridge(emitting *e, int32_t from, int32_t to)
+{
+    const quilt_cut *a = &e->r->cut.v[from], *b = &e->r->cut.v[to];
+    const tz_bezier c = quilt_bridge(e->m->domain, a, b);
+    const tz_curve_carry carry = {.origin = tz_curve_no_origin(),
+                                  .taper = {a->width, b->width},
+                                  .has_origin = true,
+                                  .has_taper = e->s->set->taper.n > 0};
+    int32_t p, q;
+    tz_status st = node_of_cut(e, from, &p);
+    if (st == TZ_OK)
+        st = node_of_cut(e, to, &q);
+    return st == TZ_OK ? append(e, p, q, &c, false, &carry) : st;
+}
+
 /* ---- chains ------------------------------------------------------------------------- */
 
 /* The cut at which the line goes on, past end `side` of a run; -1 = nowhere. */
@@ -272,6 +289,8 @@ static tz_status put_chain(emitting *e, int32_t run)
         if (at < 0)
             break;
         const quilt_cut *c = &e->r->cut.v[at];
+        if (c->bridge)
+            st = put_bridge(e, c->mate, at);
         on = c->run;
         side = c->side;
         if (e->seen[on]) {

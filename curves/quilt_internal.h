@@ -105,6 +105,7 @@ static inline tz_vec2 quilt_source_at(const quilt_patch *p, tz_vec2 x)
 typedef struct quilt_map {
     tz_ctx *ctx;
     const tz_domain *domain;
+    const tz_curve_set *given; /* NULL, or what is drawn already */
     int32_t nx, ny;
     double cx, cy;   /* sides of cells */
     int32_t *label;  /* patch of each cell, or QUILT_NONE, QUILT_GIVEN */
@@ -216,7 +217,11 @@ typedef struct quilt_cut {
     double width; /* of the line */
     double widen; /* logarithm of what it is to be multiplied with */
     bool fixed;
+    bool bridge; /* joined by a line between, not by being moved */
 } quilt_cut;
+
+/* The line that joins two cuts over a gap: smooth at both. */
+tz_bezier quilt_bridge(const tz_domain *d, const quilt_cut *a, const quilt_cut *b);
 
 typedef struct quilt_runs {
     tz_ctx *ctx;

@@ -14,6 +14,8 @@ typedef struct link {
     int32_t a, b; /* cuts, a < b */
 } link;
 
+enum { ROUNDS = 3, BRIDGES = 2 };
+
 typedef struct pairing {
     tz_ctx *ctx;
     const quilt_source *s;
@@ -64,6 +66,84 @@ static float pair_cost(const pairing *q, const quilt_cut *a, const quilt_cut *b,
     return cost < 1 ? (float)cost : INFINITY;
 }
 
+/* ---- bridges ------------------------------------------------------------------------- */
+
+tz_bezier quilt_bridge(const tz_domain *d, const quilt_cut *a, const quilt_cut *b)
+{
+    const tz_vec3 v = tz_domain_vector(d, (tz_vec3){a->at.x, a->at.y, 0},
+                                       (tz_vec3){b->at.x, b->at.y, 0});
+    const tz_vec2 q = {a->at.x + v.x, a->at.y + v.y};
+    const double n = hypot(v.x, v.y), facing = -tz_vec2_dot(a->out, b->out),
+                 k = n * (0.5 - facing / 6); /* 1/3 ahead, 2/3 for a half circle */
+    return (tz_bezier){{a->at, tz_vec2_add(a->at, tz_vec2_scale(a->out, k)),
+                        tz_vec2_add(q, tz_vec2_scale(b->out, k)), q}};
+}
+
+/* Whether a line runs through cells that hold none, but for its ends. */
+static bool is_free(const quilt_map *m, const tz_bezier *b)
+{
+    const double n = fmin(ceil(tz_bezier_length(b) / (m->cx / 2)), 512);
+    for (int32_t i = 0; i <= n; i++) {
+        tz_vec2 p = tz_bezier_at(b, i / fmax(n, 1));
+        if (tz_vec2_length(tz_vec2_sub(p, b->p[0])) < 1.5 * m->cx ||
+            tz_vec2_length(tz_vec2_sub(p, b->p[3])) < 1.5 * m->cx)
+            continue;
+        if (quilt_label(m, p) < 0)
+            return false;
+        if (m->domain->torus)
+            p = (tz_vec2){tz_domain_wrap_axis(p.x, m->domain->size.x),
+                          tz_domain_wrap_axis(p.y, m->domain->size.y)};
+        const double x = fmin(floor(p.x / m->cx), m->nx - 1),
+                     y = fmin(floor(p.y / m->cy), m->ny - 1);
+        if (m->cell[(ptrdiff_t)y * m->nx + (ptrdiff_t)x].spot[0].pen)
+            return false;
+    }
+    return true;
+}
+
+/* Cost of a bridge between two ends that are left; they may well belong to one patch and
+ * look the same way: the line turns back then. */
+static float bridge_cost(const pairing *q, const quilt_cut *a, const quilt_cut *b,
+                         double reach)
+{
+    const tz_vec3 v = tz_domain_vector(q->m->domain, (tz_vec3){a->at.x, a->at.y, 0},
+                                       (tz_vec3){b->at.x, b->at.y, 0});
+    const double d = hypot(v.x, v.y);
+    if (!(d < reach && d > 0) || a->run < 0 || b->run < 0 || a->run == b->run ||
+        a->pen != b->pen)
+        return INFINITY;
+    const tz_vec2 to = {v.x / d, v.y / d};
+    const double ahead = tz_vec2_dot(a->out, to), back = -tz_vec2_dot(b->out, to);
+    if (ahead < -0.3 || back < -0.3)
+        return INFINITY;
+    const tz_bezier bridge = quilt_bridge(q->m->domain, a, b);
+    const double cost = 0.5 * d / reach + 0.2 * (2 - ahead - back);
+    return cost < 1 && is_free(q->m, &bridge) ? (float)cost : INFINITY;
+}
+
+/* Ends within the exemplar, which are no crossings of its border. */
+static double ends_of(const quilt_source *s)
+{
+    const tz_vec3 size = s->set->domain.size;
+    double n = 0;
+    for (int32_t i = 0; i < s->set->node.n; i++) {
+        const tz_vec2 p = s->set->node.v[i];
+        n += s->degree[i] == 1 && p.x > s->cell && p.y > s->cell &&
+             p.x < size.x - s->cell && p.y < size.y - s->cell;
+    }
+    return n;
+}
+
+/* Whether more ends are left than a tenth of those that the exemplar would have. */
+static bool too_many_ends(const pairing *q)
+{
+    const tz_vec3 size = q->s->set->domain.size;
+    double left = 0;
+    for (int32_t i = 0; i < q->r->cut.n; i++)
+        left += pairs_at_all(&q->r->cut.v[i]) && q->r->cut.v[i].run >= 0;
+    return left > 0.1 * ends_of(q->s) * tz_domain_area(q->m->domain) / (size.x * size.y);
+}
+
 static tz_status find_links(pairing *q, double reach)
 {
     enum { MOST = 128 };
@@ -82,7 +162,9 @@ static tz_status find_links(pairing *q, double reach)
         for (int32_t k = 0; k < (n < MOST ? n : MOST) && st == TZ_OK; k++) {
             if (near[k] <= i || !pairs_at_all(&r->cut.v[near[k]]))
                 continue;
-            const float cost = pair_cost(q, &r->cut.v[i], &r->cut.v[near[k]], reach);
+            const quilt_cut *a = &r->cut.v[i], *b = &r->cut.v[near[k]];
+            const float cost = q->round > ROUNDS ? bridge_cost(q, a, b, reach)
+                                                 : pair_cost(q, a, b, reach);
             if (cost < INFINITY)
                 st = tz_array_push(q->ctx, &q->link, ((link){cost, i, near[k]}));
         }
@@ -91,10 +173,12 @@ static tz_status find_links(pairing *q, double reach)
     return st;
 }
 
-static void marry(quilt_runs *r, int32_t a, int32_t b)
+static void marry(const pairing *q, int32_t a, int32_t b)
 {
-    r->cut.v[a].mate = b;
-    r->cut.v[b].mate = a;
+    quilt_cut *v = q->r->cut.v;
+    v[a].mate = b;
+    v[b].mate = a;
+    v[a].bridge = v[b].bridge = q->round > ROUNDS;
 }
 
 /* ---- groups ------------------------------------------------------------------------- */
@@ -192,7 +276,7 @@ static bool assign_group(pairing *q, const link *v, int32_t n, tz_assign *a)
         return false;
     for (int32_t i = 0; i < a->rows; i++)
         if (a->to[i] >= 0)
-            marry(q->r, row[i], col[a->to[i]]);
+            marry(q, row[i], col[a->to[i]]);
     return true;
 }
 
@@ -221,7 +305,7 @@ static tz_status solve(pairing *q)
             continue;
         for (int32_t k = i; k < j; k++)
             if (q->r->cut.v[v[k].a].mate < 0 && q->r->cut.v[v[k].b].mate < 0)
-                marry(q->r, v[k].a, v[k].b);
+                marry(q, v[k].a, v[k].b);
     }
     tz_free(q->ctx, a);
     tz_free(q->ctx, scratch);
@@ -241,7 +325,7 @@ static void settle(const pairing *q)
         quilt_cut *a = &q->r->cut.v[i];
         a->to = a->at;
         a->turn = a->widen = 0;
-        if (a->mate < 0)
+        if (a->mate < 0 || a->bridge)
             continue;
         const quilt_cut *b = &q->r->cut.v[a->mate];
         const tz_vec3 v = tz_domain_vector(q->m->domain, (tz_vec3){a->at.x, a->at.y, 0},
@@ -265,10 +349,12 @@ tz_status quilt_pair(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
     tz_status st = tz_alloc(ctx, &q.up, (size_t)r->cut.n, sizeof *q.up);
     if (st == TZ_OK)
         st = tz_alloc(ctx, &q.colour, (size_t)r->cut.n, sizeof *q.colour);
-    for (int round = 1; round <= 3 && st == TZ_OK; round++) {
+    for (int round = 1; round <= ROUNDS + BRIDGES && st == TZ_OK; round++) {
+        if (round == ROUNDS + 1 && !too_many_ends(&q))
+            break;
         q.link.n = 0;
         q.round = round;
-        st = find_links(&q, round * reach);
+        st = find_links(&q, (round <= ROUNDS ? round : 2 * round - ROUNDS) * reach);
         if (st == TZ_OK)
             st = solve(&q);
     }
