@@ -12,6 +12,7 @@
 #include "curves/finish_internal.h"
 
 enum { ROUNDS = 10 };
+#define DENSE  3    /* delta is no more than so many times area over length */
 #define JOIN   0.02 /* of delta: what is so near touches */
 #define MARGIN 0.1  /* of delta */
 #define REACH  1.25 /* of delta */
@@ -23,10 +24,19 @@ enum { ROUNDS = 10 };
 
 /* ---- what the exemplar has ----------------------------------------------------------- */
 
+/* The finest spacing of samples; in dense drawings a few times that of their lines. */
 static double finest(const tz_curve_set *s)
 {
     const tz_sample_levels l = tz_sample_levels_default(s);
-    return l.spacing[l.levels - 1];
+    const double spacing = l.spacing[l.levels - 1];
+    double length = 0;
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(s, &s->piece.v[i]);
+        length += tz_bezier_length(&b);
+    }
+    return length > 0
+               ? fmin(spacing, DENSE * s->domain.size.x * s->domain.size.y / length)
+               : spacing;
 }
 
 /* Thick lines that lie beside each other are not to be taken for one. */

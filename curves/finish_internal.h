@@ -77,7 +77,7 @@ static inline tz_vec2 tz_net_vector(const tz_net *n, tz_vec2 p, tz_vec2 q)
 
 /** What the exemplar tells. Lengths in user units. */
 typedef struct tz_finish_limits {
-    double delta;    /**< about which everything here is measured: the finest spacing */
+    double delta;    /**< about which all is measured: the finest spacing */
     double margin;   /**< an end this near to the border is none */
     double ends;     /**< per length */
     double branch;   /**< free branches are longer, but for the shortest tenth */
