@@ -20,6 +20,7 @@ typedef struct values {
     tz_element_arrange_params elements;
     tz_curve_arrange_params curves;
     tz_curve_input_params input;
+    tz_lines_params lines;
     tz_curve_draw_params draw;
     tz_curve_output_params format;
     tz_curve_watch_params watch;
@@ -151,9 +152,17 @@ static tz_status run(tz_cli *cli)
     const tz_elements_job job = {v->output.output, v->own.keep,  &v->medium,
                                  &v->things,       &v->elements, &v->guides,
                                  &v->arrange,      &v->analyze,  v->growth.grow};
-    const tz_curves_job curves = {v->output.output, v->own.keep,   &v->input,  &v->format,
-                                  &v->draw,         &v->watch,     &v->curves, &v->guides,
-                                  &v->arrange,      v->growth.grow};
+    const tz_curves_job curves = {.output = v->output.output,
+                                  .keep = v->own.keep,
+                                  .input = &v->input,
+                                  .lines = &v->lines,
+                                  .format = &v->format,
+                                  .draw = &v->draw,
+                                  .watch = &v->watch,
+                                  .curves = &v->curves,
+                                  .guides = &v->guides,
+                                  .arrange = &v->arrange,
+                                  .grow = v->growth.grow};
     tz_as as;
     if (!*v->output.output)
         return tz_cli_usage(cli, "no output; give one with -o FILE.svg");
@@ -176,6 +185,7 @@ static const tz_option_group groups[] = {
     {&tz_curve_arrange_param_table, offsetof(values, curves), true},
     {&tz_curve_draw_param_table, offsetof(values, draw), true},
     {&tz_curve_input_param_table, offsetof(values, input), true},
+    {&tz_lines_param_table, offsetof(values, lines), true},
     {&tz_curve_output_param_table, offsetof(values, format), true},
     {&tz_curve_watch_param_table, offsetof(values, watch), false},
     {&tz_rules_param_table, offsetof(values, rules), true},

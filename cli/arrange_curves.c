@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "cli/curve_photos.h"
 #include "cli/curve_watch.h"
 #include "cli/exemplars.h"
 #include "cli/figures.h"
@@ -47,8 +48,8 @@ typedef struct run_state {
     tz_cli *cli;
     const tz_curves_job *job;
     tz_record record;
-    tz_path_list inputs;
-    tz_curve_set exemplar, given, layout;
+    tz_curve_exemplar e; /* with the files that were read */
+    tz_curve_set given, layout;
     tz_guides guides;
     tz_curve_watch watch;
     char from[TZ_PARAM_STRING_SIZE],
@@ -94,12 +95,12 @@ static tz_status check_options(run_state *r)
     if (cli->operands != 1)
         return tz_cli_usage(cli, "curves are arranged from one drawing; put several "
                                  "exemplars into one SVG");
-    if (!tz_path_is_svg(cli->operand[0]))
-        return tz_fail(cli->ctx, TZ_INVALID,
-                       "%s: curves are arranged from drawings; find a photo's lines with "
-                       "analyze --as curves, or make a texture of it with expand --as "
-                       "curves",
-                       cli->operand[0]);
+    if (foretells && !tz_path_is_svg(cli->operand[0]))
+        return tz_fail(
+            cli->ctx, TZ_INVALID,
+            "%s: --complete and --clone draw into drawings; find the lines of a "
+            "photo with analyze --as curves first",
+            cli->operand[0]);
     if (*r->job->keep)
         return tz_cli_usage(cli, "--keep is for elements and edges; strokes of curves "
                                  "stay with --given");
@@ -121,15 +122,32 @@ static tz_status check_options(run_state *r)
     return TZ_OK;
 }
 
+/** Curves of a drawing, or the lines of a photo. */
+static tz_status read_exemplar(run_state *r)
+{
+    tz_cli *cli = r->cli;
+    const char *path = cli->operand[0];
+    if (tz_path_is_svg(path))
+        return tz_curves_read(cli, path, r->job->input, &r->record, &r->e.inputs,
+                              &r->e.set);
+    const tz_status s =
+        tz_curve_exemplar_find(cli, path, r->job->lines, &r->record, &r->e);
+    return s == TZ_OK && r->e.set.path.n == 0
+               ? tz_fail(cli->ctx, TZ_INVALID,
+                         "%s: no lines stand out in it; try --line edge, or --as edges",
+                         path)
+               : s;
+}
+
 /** The layout's size: as given, else the exemplar's times `grow`, in whole units; of
  * predictions, the drawing's. */
 static tz_status settle_size(run_state *r, tz_domain *d)
 {
     tz_cli *cli = r->cli;
     tz_arrange_params *a = r->job->arrange;
-    const tz_vec3 size = r->exemplar.domain.size;
+    const tz_vec3 size = r->e.set.domain.size;
     if (*r->to) {
-        *d = r->exemplar.domain;
+        *d = r->e.set.domain;
         return TZ_OK;
     }
     if (!tz_cli_given(cli, "size")) {
@@ -173,14 +191,16 @@ static tz_status name_output(run_state *r, const tz_domain *d)
     if (s == TZ_OK)
         s = tz_curves_format(cli, r->path, j->format, &format);
     if (s == TZ_OK)
-        s = tz_guides_paths(cli, j->guides, &r->inputs);
+        s = tz_guides_paths(cli, j->guides, &r->e.inputs);
     if (s == TZ_OK)
         s = tz_paths_add(cli->ctx, &outputs, r->path);
     for (int i = 0; i < 2 && s == TZ_OK; i++)
         if (*watch[i])
             s = tz_paths_add(cli->ctx, &outputs, watch[i]);
     if (s == TZ_OK)
-        s = tz_outputs_check(cli->ctx, &r->inputs, &outputs);
+        s = tz_curve_exemplar_name_plate(cli, r->path, &outputs, &r->e);
+    if (s == TZ_OK)
+        s = tz_outputs_check(cli->ctx, &r->e.inputs, &outputs);
     tz_paths_free(cli->ctx, &outputs);
     return s;
 }
@@ -194,7 +214,7 @@ static tz_status read_given(run_state *r, const tz_domain *d)
     if (!*path)
         return TZ_OK;
     tz_status s =
-        tz_curves_read(r->cli, path, r->job->input, &r->record, &r->inputs, &r->given);
+        tz_curves_read(r->cli, path, r->job->input, &r->record, &r->e.inputs, &r->given);
     if (s != TZ_OK)
         return s;
     const tz_vec3 size = r->given.domain.size;
@@ -240,7 +260,7 @@ static tz_status arrange(run_state *r, const tz_domain *d)
     const bool watched = *j->watch->trace || *j->watch->samples;
     tz_curve_arrange_report report = {0};
     r->watch.ctx = cli->ctx;
-    const tz_curve_arrange_job job = {.exemplar = &r->exemplar,
+    const tz_curve_arrange_job job = {.exemplar = &r->e.set,
                                       .name = cli->operand[0],
                                       .domain = d,
                                       .given = r->given.path.n ? &r->given : NULL,
@@ -271,7 +291,7 @@ static tz_status arrange(run_state *r, const tz_domain *d)
 
 static tz_status read_region(run_state *r, const char *path, tz_region **out)
 {
-    const tz_domain *d = &r->exemplar.domain;
+    const tz_domain *d = &r->e.set.domain;
     tz_status s = tz_record_input(r->cli, &r->record, path, NULL);
     return s == TZ_OK ? tz_region_read(r->cli->ctx, tz_cli_find(r->cli, path), d->size,
                                        d->torus, out)
@@ -289,7 +309,7 @@ static tz_status foretell(run_state *r)
         s = read_region(r, r->to, &to);
     if (s != TZ_OK)
         goto done;
-    const tz_curve_predict_job job = {.drawing = &r->exemplar,
+    const tz_curve_predict_job job = {.drawing = &r->e.set,
                                       .from = from,
                                       .to = to,
                                       .params = r->job->curves,
@@ -299,11 +319,11 @@ static tz_status foretell(run_state *r)
     if (s == TZ_OK) {
         tz_figures_count(cli, "foretold", p.set.path.n);
         tz_curve_predict_mark(&p, NULL, TZ_CURVE_TAKEN);
-        s = tz_curve_predict_accept(cli->ctx, &p, &r->exemplar);
+        s = tz_curve_predict_accept(cli->ctx, &p, &r->e.set);
     }
     if (s == TZ_OK) {
-        r->layout = r->exemplar;
-        r->exemplar = (tz_curve_set){0};
+        r->layout = r->e.set;
+        r->e.set = (tz_curve_set){0};
         tz_figures_seconds(cli, "predict", tz_seconds() - start);
     }
 done:
@@ -319,7 +339,7 @@ static tz_status paths_of_regions(run_state *r)
     tz_status s = TZ_OK;
     for (int i = 0; i < 2 && s == TZ_OK; i++)
         if (*file[i])
-            s = tz_paths_add(r->cli->ctx, &r->inputs, tz_cli_find(r->cli, file[i]));
+            s = tz_paths_add(r->cli->ctx, &r->e.inputs, tz_cli_find(r->cli, file[i]));
     return s;
 }
 
@@ -344,8 +364,7 @@ tz_status tz_arrange_curves(tz_cli *cli, const tz_curves_job *job)
     if (s == TZ_OK)
         s = check_options(&r);
     if (s == TZ_OK)
-        s = tz_curves_read(cli, cli->operand[0], job->input, &r.record, &r.inputs,
-                           &r.exemplar);
+        s = read_exemplar(&r);
     if (s == TZ_OK)
         s = settle_size(&r, &d);
     if (s == TZ_OK)
@@ -355,18 +374,18 @@ tz_status tz_arrange_curves(tz_cli *cli, const tz_curves_job *job)
     if (s == TZ_OK)
         s = name_output(&r, &d);
     if (s == TZ_OK)
-        s = tz_guides_read(cli, job->guides, &r.exemplar.element, &r.record, &d,
-                           &r.guides);
+        s = tz_guides_read(cli, job->guides, &r.e.set.element, &r.record, &d, &r.guides);
+    if (s == TZ_OK)
+        s = tz_curve_exemplar_write_plate(cli, &r.e);
     if (s == TZ_OK)
         s = *r.to ? foretell(&r) : arrange(&r, &d);
     if (s == TZ_OK)
         s = write_layout(&r);
     tz_curve_set_deinit(&r.layout);
     tz_curve_set_deinit(&r.given);
-    tz_curve_set_deinit(&r.exemplar);
     tz_curve_watch_deinit(&r.watch);
     tz_guides_free(&r.guides);
-    tz_paths_free(cli->ctx, &r.inputs);
+    tz_curve_exemplar_free(cli, &r.e);
     tz_record_free(cli, &r.record);
     tz_free(cli->ctx, r.path);
     return s;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * The curve half of arrange: the curves of a drawing over a domain, around what is drawn
+ * The curve half of arrange: the curves of a drawing or a photo over a domain, around what is drawn
  * already, or into a part of the drawing itself. */
 #ifndef TZ_CLI_ARRANGE_CURVES_H
 #define TZ_CLI_ARRANGE_CURVES_H
 
+#include "analysis/lines.h"
 #include "cli/curves.h"
 #include "cli/elements.h"
 #include "curves/curve_arrange.h"
@@ -26,6 +27,7 @@ extern const tz_param_table tz_curve_watch_param_table;
 typedef struct tz_curves_job {
     const char *output, *keep;
     const tz_curve_input_params *input;
+    const tz_lines_params *lines; /**< of a photo */
     const tz_curve_output_params *format;
     const tz_curve_draw_params *draw;
     const tz_curve_watch_params *watch;

@@ -148,6 +148,17 @@ static void work_can_be_watched(void **state)
     assert_exit(0, "test $(wc -l < f.csv) = 1");
 }
 
+/* A photo's lines are arranged with its pixels in mind: render makes them. */
+static void photos_have_lines(void **state)
+{
+    (void)state;
+    assert_exit(0, "$T arrange mud.png --as curves -o p.svg --size 300x300 -q");
+    assert_true(exists("p.plate.png"));
+    assert_exit(0, "grep -q 'tz:document=\"curves\"' p.svg");
+    assert_exit(0, "$T render p.svg -o p.png -q");
+    assert_exit(0, "$T replay p.svg -o p2.svg -q");
+}
+
 /* ---- dxf ------------------------------------------------------------------------------ */
 
 static void dxf_has_the_paper_s_size(void **state)
@@ -266,7 +277,7 @@ static void bad_wishes_get_one_line(void **state)
     assert_exit(1, "$T arrange net.svg --as curves -o nowhere/o.svg");
     assert_one_line();
     assert_exit(1, "$T arrange net.svg --as curves --size 200x150 -o /dev/full");
-    assert_exit(1, "$T arrange stones.png --as curves -o o.svg");
+    assert_exit(1, "$T arrange stones.png --as curves -o o.svg --complete spot.svg");
     assert_said("analyze");
 }
 
@@ -279,6 +290,7 @@ int main(void)
         cmocka_unit_test(tiles_tile),
         cmocka_unit_test(ablations_do_something),
         cmocka_unit_test(work_can_be_watched),
+        cmocka_unit_test(photos_have_lines),
         cmocka_unit_test(dxf_has_the_paper_s_size),
         cmocka_unit_test(holes_are_filled),
         cmocka_unit_test(bad_drawings_get_one_line),
