@@ -23,7 +23,7 @@ enum { BLOCK = 1024, MOST_PASSES = 100 };
 #define HOME      0.5
 #define STIFF     4.0 /* of edges, against the vote of a neighbourhood */
 #define TOLERANCE 1e-6
-#define RIGHT     0.01 /* spacings a neighbour: what is no difference */
+#define RIGHT     0.02 /* spacings: what is no difference */
 
 /* (diagonal - weights) u = right. */
 typedef struct fit {
@@ -133,12 +133,19 @@ static bool edge_pull(const tz_curve_solve *t, int32_t s, const tz_curve_link *l
     return true;
 }
 
-/* Whether a sample of given curves, and all about it, is just as in the exemplar. */
-static bool is_right(const tz_curve_solve *t, int32_t s)
+/* Whether a sample of given curves, and all about it, lies just as in the exemplar. */
+static bool is_right(const fit *f, int32_t s)
 {
-    const double held = t->m.ho.first[s + 1] - t->m.ho.first[s] + 1;
-    return t->p.start == TZ_CURVE_GIVEN && t->match.v[s] >= 0 &&
-           (double)t->cost[s] < RIGHT * held * t->o.spacing;
+    const tz_curve_solve *t = f->t;
+    const tz_match_hoods *h = &t->m.ho;
+    if (t->p.start != TZ_CURVE_GIVEN || t->match.v[s] < 0 ||
+        h->first[s] == h->first[s + 1])
+        return false;
+    for (int32_t k = h->first[s]; k < h->first[s + 1]; k++)
+        if (t->pair[k] == TZ_SEEN_NOT ||
+            (t->pair[k] >= 0 && tz_vec2_length(f->pull[k]) > RIGHT * t->o.spacing))
+            return false;
+    return true;
 }
 
 static void make_row(fit *f, int32_t s)
@@ -181,7 +188,7 @@ static void make_row(fit *f, int32_t s)
     f->diagonal[s] = sum + HOME;
     f->inverse[s] = 1 / f->diagonal[s];
     f->r[s] = right;
-    if (me->fixed || is_right(t, s)) {
+    if (me->fixed || is_right(f, s)) {
         f->inverse[s] = 0;
         f->r[s] = (tz_vec2){0, 0};
     }
