@@ -53,9 +53,9 @@ typedef struct tz_match_params {
     double gamma; /**< weight of attributes beside positions; 0: edges do not count */
     double more;  /**< the exemplar's neighbourhoods reach this much farther, so that what
                        lies at the rim of the output's finds its partner */
-    bool hard; /**< every sample must match as long as there are partners: staying alone
+    bool hard;   /**< every sample must match as long as there are partners: staying alone
                        costs more than any match ([Tu20] Fig. 6a) */
-    double lack;     /**< spacings that each sample costs which the exemplar's neighbourhood
+    double lack; /**< spacings that each sample costs which the exemplar's neighbourhood
                           has well inside and the output's lacks; 0 as in Eq. (7) */
     const bool *cut; /**< NULL, or per sample of the exemplar: it has more edges than are
                           seen, as its border cuts them: a lack of edges costs nothing */
@@ -69,7 +69,7 @@ typedef struct tz_matcher {
     const tz_sample_graph *o, *i;
     tz_match_params params;
     tz_match_hoods ho, hi; /**< neighbourhoods; ho's offsets as they are matched */
-    int32_t *inner; /**< per sample of the exemplar: neighbours well inside */
+    int32_t *inner;        /**< per sample of the exemplar: neighbours well inside */
     float *exit;           /**< per output sample: cost of staying alone, c */
     float *edges; /**< gamma * Eq. (5) of all pairs, rows are output samples; NULL
                                 where that would be over 256 MiB */
