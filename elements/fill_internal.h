@@ -44,6 +44,7 @@ typedef struct tz_fill_model {
     double angle, scale; /**< of the palette's element */
     double rigidity, share, size[2], turn, jitter;
     double area, reach; /**< of its shape; farthest that it gets from its centre */
+    double rim;         /**< farthest that its outline lies beyond the discs */
     int32_t n;          /**< discs */
     tz_vec3 rest[TZ_COVER_DISCS];
     double radius[TZ_COVER_DISCS];

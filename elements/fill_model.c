@@ -128,6 +128,14 @@ static tz_status make_shape(tz_ctx *ctx, const tz_element_symbol *y, int32_t dis
     if (s == TZ_OK) {
         m->area = m->cover.area;
         take_graph(m);
+        for (int32_t k = 0; k < m->borders; k++) {
+            double off = HUGE_VAL;
+            for (int32_t i = 0; i < m->n; i++)
+                off = fmin(off, hypot(m->border[k].x - m->rest[i].x,
+                                      m->border[k].y - m->rest[i].y) -
+                                    m->radius[i]);
+            m->rim = fmax(m->rim, off);
+        }
     }
     tz_free(ctx, v);
     return s;

@@ -149,13 +149,30 @@ static double deepest(const repair *r, int32_t a, int32_t b, tz_vec2 *at, tz_vec
     return most;
 }
 
+/* Whether discs of two bodies, each as much larger as its outline may lie beyond it, touch.
+ */
+static bool discs_are_near(const tz_fill *f, int32_t a, int32_t b)
+{
+    const tz_fill_body *p = &f->body.v[a], *q = &f->body.v[b];
+    const double rim = f->model.v[p->model].rim * p->size * tz_fill_scale(f, p->first) +
+                       f->model.v[q->model].rim * q->size * tz_fill_scale(f, q->first);
+    for (int32_t i = p->first; i < p->first + p->n; i++)
+        for (int32_t k = q->first; k < q->first + q->n; k++) {
+            const tz_vec3 v = tz_fill_vector(f, f->at[i], f->at[k]);
+            const double sum = f->c[i] * f->radius[i] + f->c[k] * f->radius[k] + rim;
+            if (v.x * v.x + v.y * v.y < sum * sum)
+                return true;
+        }
+    return false;
+}
+
 static bool are_near(const repair *r, int32_t a, int32_t b)
 {
     const pose *p = &r->pose[a], *q = &r->pose[b];
     const tz_vec3 v = tz_fill_vector(r->f, (tz_vec3){p->at.x, p->at.y, 0},
                                      (tz_vec3){q->at.x, q->at.y, 0});
     const double sum = p->reach + q->reach;
-    return v.x * v.x + v.y * v.y < sum * sum;
+    return v.x * v.x + v.y * v.y < sum * sum && discs_are_near(r->f, a, b);
 }
 
 static void add_push(const repair *r, int32_t i, push *p, tz_vec2 at, double x, double y,
@@ -214,7 +231,7 @@ static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
     tz_fill *f = r->f;
     for (int32_t j = from; j < to; j++) {
         const int32_t a = f->live.v[j];
-        const double least = 0.3 * slack_of(f, a);
+        const double least = 0.8 * slack_of(f, a);
         push p = {0, 0, 0, 0, 0};
         if (r->awake[a] && !f->body.v[a].gone) {
             for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
@@ -371,8 +388,8 @@ static tz_status shrink_rest(repair *r)
         shrunk[i] = 1;
     if (s == TZ_OK)
         s = find_near(r);
+    wake_every(r);
     for (int k = 0; k < SHRINKS && left > 0 && s == TZ_OK; k++) {
-        wake_every(r);
         s = push_round(r, &left);
         for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
             const int32_t i = f->live.v[j];
