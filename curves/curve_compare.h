@@ -41,8 +41,9 @@ typedef struct tz_curve_likeness {
 } tz_curve_likeness;
 
 /** Paths are joined first (curves/curve_join.h), crossings count as nodes. What the border
- * cuts counts with regard to that: ends within 1/20 of the exemplar's line distance (area
- * over length) of the border are none, edges and cells that it cuts are corrected for.
+ * cuts counts with regard to that: ends within half a line's width of the border (1/20 to
+ * 1/4 of the exemplar's line distance, area over length) are none, nodes there
+ * are mirrored if lines run along it, edges and cells that it cuts are corrected for.
  * Guided layouts (region, frames) are measured inside their region; orientation and patches
  * against the frames. Discrete elements do not count, see elements/element_compare.h.
  * @param[out] out  untouched on error

@@ -13,7 +13,8 @@
 #define CHORD       0.25 /* units: longest */
 #define TURN_STEP   0.25 /* units: places where turning is measured */
 #define TOLERANCE   0.005
-#define BORDER      0.05  /* units: an end so near to the border is cut by it */
+#define BORDER      0.05  /* units: what is so near to the border is cut by it */
+#define BORDER_MOST 0.25  /* or half of a line's width, but no more than this */
 #define CORNER_NEAR 0.125 /* units: ways that a corner is measured over */
 #define CORNER_FAR  0.25
 #define CORNER_SAME 0.6 /* a corner turns as much over the short way; a bend half */
@@ -35,6 +36,7 @@ typedef struct builder {
     tz_linework_field *f;
     tz_curve_set set; /* joined, plain */
     double chord;     /* longest */
+    double border;    /* what ends, or what nodes have, so near to it is cut by it */
     int32_t *degree;  /* by node */
     int32_t *first;   /* by node: end[first[k] .. first[k + 1] - 1] */
     int32_t *end;     /* piece << 1 | whether it is the piece's `to` */
@@ -199,7 +201,7 @@ static tz_status add_piece_chords(builder *b, int32_t piece, bool back)
 static bool ends_at(const builder *b, int32_t node)
 {
     const tz_vec2 p = b->set.node.v[node];
-    return b->degree[node] == 1 ? depth(&b->f->domain, p) > BORDER * b->f->scale.unit
+    return b->degree[node] == 1 ? depth(&b->f->domain, p) > b->border
                                 : is_inside(b->f, p);
 }
 
@@ -252,6 +254,29 @@ static tz_status link_nodes(builder *b)
     return TZ_OK;
 }
 
+/* Degree of a node, of which the border may hide a part: what a lattice has on the border
+ * of its tile. Where lines run along the border the rest of the node is the mirror image
+ * of what is seen; elsewhere all of it is seen. */
+static int32_t whole_degree(const builder *b, int32_t node)
+{
+    const tz_domain *d = &b->f->domain;
+    const tz_vec2 p = b->set.node.v[node];
+    int32_t along = 0, inside = 0;
+    if (b->degree[node] == 1 || depth(d, p) > b->border)
+        return b->degree[node];
+    for (int32_t k = b->first[node]; k < b->first[node + 1]; k++) {
+        const tz_bezier c = tz_curve_bezier(&b->set, &b->set.piece.v[b->end[k] >> 1]);
+        const bool back = b->end[k] & 1;
+        const double t = fmin(0.5, b->f->scale.unit / fmax(tz_bezier_length(&c), 1e-300));
+        const double at = depth(d, tz_bezier_at(&c, back ? 1 - t : t));
+        along += fabs(at) <= b->border;
+        inside += at > b->border;
+    }
+    const bool corner = fmin(p.x, d->size.x - p.x) <= b->border &&
+                        fmin(p.y, d->size.y - p.y) <= b->border;
+    return along > 0 ? (along + 2 * inside) * (corner ? 2 : 1) : b->degree[node];
+}
+
 static tz_status add_edges(builder *b)
 {
     tz_status s = link_nodes(b);
@@ -260,10 +285,10 @@ static tz_status add_edges(builder *b)
              b->degree[i] != 2 && k < b->first[i + 1] && s == TZ_OK; k++)
             if (!b->done[b->end[k] >> 1])
                 s = add_edge(b, i, b->end[k], false);
-        const int32_t d = b->degree[i];
-        if (s == TZ_OK && d != 2 && ends_at(b, i))
+        if (s == TZ_OK && b->degree[i] != 2 && ends_at(b, i))
             s = tz_array_push(b->ctx, &b->f->node,
-                              ((tz_linework_node){.at = b->set.node.v[i], .degree = d}));
+                              ((tz_linework_node){.at = b->set.node.v[i],
+                                                  .degree = whole_degree(b, i)}));
     }
     for (int32_t i = 0; s == TZ_OK && i < b->set.piece.n; i++)
         if (!b->done[i])
@@ -418,6 +443,7 @@ tz_status tz_linework_field_init(tz_ctx *ctx, const tz_curve_set *s,
 {
     const tz_curve_join_params join = {.crossings = true, .reach = tz_curve_reach(s)};
     builder b = {.ctx = ctx, .f = f};
+    b.border = scale->unit * fmin(BORDER_MOST, fmax(BORDER, join.reach / scale->unit));
     tz_curve_set flat = {0};
     *f = (tz_linework_field){.ctx = ctx, .domain = s->domain, .scale = *scale};
     f->domain.torus = false;

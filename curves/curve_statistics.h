@@ -53,7 +53,8 @@ typedef struct tz_linework_edge {
 
 typedef struct tz_linework_node {
     tz_vec2 at;
-    int32_t degree; /**< 1 .. TZ_CURVE_DEGREES - 1 or more; 2 = corner */
+    int32_t degree; /**< 1 .. TZ_CURVE_DEGREES - 1 or more; 2 = corner; of a node on the
+                         border, that lines run along, as if mirrored there */
 } tz_linework_node;
 
 /** By how much a path turns at a place: angle between the ways to the places so far before
@@ -73,6 +74,8 @@ typedef struct tz_linework_field {
     edge;
     TZ_ARRAY(tz_linework_node)
     node; /**< inside; what the domain's border cuts is none */
+    double
+        share[TZ_CURVE_DEGREES]; /**< degrees of the inner nodes from 3; sums to 1 or 0 */
     TZ_ARRAY(tz_linework_turn)
     turn;
 } tz_linework_field;

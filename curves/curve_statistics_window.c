@@ -130,6 +130,16 @@ static void normalise(double *v, int32_t n)
         v[k] /= sum;
 }
 
+static void count_nodes(const tz_linework_field *f, const tz_linework_window *w,
+                        tz_linework_statistics *out)
+{
+    for (int32_t i = 0; i < f->node.n; i++) {
+        const int32_t d = f->node.v[i].degree;
+        if (within(w, f->node.v[i].at))
+            out->nodes[d < TZ_CURVE_DEGREES ? d - 1 : TZ_CURVE_DEGREES - 1]++;
+    }
+}
+
 static void count_turns(const tz_linework_field *f, const tz_linework_window *w,
                         tz_linework_statistics *out)
 {
@@ -180,10 +190,6 @@ void tz_linework_statistics_of(const tz_linework_field *f, tz_linework_window w,
         walk_edge(f, &f->edge.v[i], &w, &r, out);
     survive(&r, out->survival);
     normalise(out->orientation, TZ_LINEWORK_TURNS);
-    for (int32_t i = 0; i < f->node.n; i++) {
-        const int32_t d = f->node.v[i].degree;
-        if (within(&w, f->node.v[i].at))
-            out->nodes[d < TZ_CURVE_DEGREES ? d - 1 : TZ_CURVE_DEGREES - 1]++;
-    }
+    count_nodes(f, &w, out);
     count_turns(f, &w, out);
 }
