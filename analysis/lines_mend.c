@@ -296,7 +296,7 @@ tz_status tz_line_graph_smooth(tz_line_graph *g, double sigma)
             tz_vec2 at = {0, 0};
             for (int32_t d = -reach_wide; d <= reach_wide; d++) {
                 int32_t q = k + d;
-                if (loop)
+                if (loop && round > 0)
                     q = ((q % round) + round) % round;
                 if (q < 0 || q >= c->n)
                     continue;
