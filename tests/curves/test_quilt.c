@@ -308,7 +308,7 @@ static void test_odd(void **state)
         HEAD "<path d='M60 60L60.0001 60'/><path d='M3 3L4 4'/>" TAIL,
         HEAD "<path d='M0 0L120 120M0 120L120 0M60 0L60 120M0 60L120 60'/>" TAIL,
     };
-    static const tz_vec3 size[] = {{120, 120, 0}, {7, 3, 0}, {400, 20, 0}, {260, 300, 0}};
+    static const tz_vec3 size[] = {{120, 120, 0}, {7, 3, 0}, {300, 20, 0}, {150, 180, 0}};
     for (size_t i = 0; i < sizeof body / sizeof *body; i++)
         for (size_t k = 0; k < 2 * sizeof size / sizeof *size; k++) {
             tz_curve_set e, out;
@@ -351,7 +351,7 @@ static tz_status quilt_small(tz_ctx *c)
         HEAD "<path d='M0 20C40 0 80 40 120 20M0 60L120 60M0 90L120 95M60 60L60 90'/>"
              "<path d='M20 40l8 3'/><circle cx='90' cy='40' r='5'/>" TAIL;
     tz_curve_set e, out;
-    const tz_domain d = {.size = {170, 150, 0}};
+    const tz_domain d = {.size = {135, 60, 0}};
     tz_status st = parse(c, text, &e);
     if (st != TZ_OK)
         return st;
