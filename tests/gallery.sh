@@ -98,6 +98,23 @@ for photo in "${photos[@]}"; do
     element_sheet "u_$name" "$name, as elements" "$photo" "$out/t_$name.png"
 done
 
+# ---- curves --------------------------------------------------------------------------
+# Drawings of lines beside layouts of nine times their area.
+curves=
+for drawing in "$here"/../../shared/exemplars/svg/{lattice,network,contours,wood}*.svg \
+    "$here"/../data/exemplars/{noodles,current}.svg; do
+    name=$(basename "${drawing%.svg}")
+    "$terrazzo" arrange "$drawing" --as curves -o "$out/c_$name.svg" --grow 3 --seed 7 \
+        --quiet &&
+        "$build/tests/draw_curves" sheet -o "$out/v_$name.svg" "$drawing" \
+            "$out/c_$name.svg" || { failed=$((failed + 1)); continue; }
+    rsvg-convert -w 1600 "$out/v_$name.svg" -o "$out/v_$name.png" 2>/dev/null || continue
+    mean=$(figure mean "$("$terrazzo" compare "$drawing" "$out/c_$name.svg" --as curves \
+        --json)")
+    curves+="<h2>$name: mean ratio $mean</h2><img src=\"v_$name.png\" alt=\"$name\">"$'\n'
+    echo "$name, as curves: mean ratio $mean"
+done
+
 {
     cat "$page.part"
     echo '<table><tr><th>exemplar</th><th>score</th><th>patch</th><th>orientation</th>'
@@ -105,7 +122,7 @@ done
     echo '<th>near repeats</th><th>periodicity</th>'
     echo "<th>seam</th><th>broken</th><th>seconds</th></tr>$rows</table>"
     echo "$sections"
-    echo "<h1>Elements</h1>$elements</html>"
+    echo "<h1>Elements</h1>$elements<h1>Curves</h1>$curves</html>"
 } >"$page"
 rm -f "$page.part"
 if [ ${#sheet[@]} -gt 0 ]; then
