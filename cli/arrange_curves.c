@@ -128,8 +128,9 @@ static tz_status read_exemplar(run_state *r)
     tz_cli *cli = r->cli;
     const char *path = cli->operand[0];
     if (tz_path_is_svg(path))
-        return tz_curves_read(cli, path, r->job->input, &r->record, &r->e.inputs,
-                              &r->e.set);
+        return tz_curves_read(cli, path, r->job->input,
+                              !*r->job->draw->complete && !*r->job->draw->clone,
+                              &r->record, &r->e.inputs, &r->e.set);
     const tz_status s =
         tz_curve_exemplar_find(cli, path, r->job->lines, &r->record, &r->e);
     return s == TZ_OK && r->e.set.path.n == 0
@@ -213,8 +214,8 @@ static tz_status read_given(run_state *r, const tz_domain *d)
     const char *path = r->job->draw->given;
     if (!*path)
         return TZ_OK;
-    tz_status s =
-        tz_curves_read(r->cli, path, r->job->input, &r->record, &r->e.inputs, &r->given);
+    tz_status s = tz_curves_read(r->cli, path, r->job->input, false, &r->record,
+                                 &r->e.inputs, &r->given);
     if (s != TZ_OK)
         return s;
     const tz_vec3 size = r->given.domain.size;

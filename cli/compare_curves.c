@@ -122,6 +122,9 @@ tz_status tz_compare_curves(tz_cli *cli, const tz_curve_input_params *p)
                               &set[i]);
     if (s != TZ_OK)
         goto done;
+    s = tz_curves_trim(cli, cli->operand[0], p, &set[0]);
+    if (s != TZ_OK)
+        goto done;
     tz_figures_seconds(cli, "read", tz_seconds() - start);
     start = tz_seconds();
     s = tz_curve_compare(cli->ctx, &set[0], &set[1], &q);

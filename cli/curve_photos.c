@@ -94,7 +94,7 @@ tz_status tz_analyze_curves(tz_cli *cli, const char *path, const char *output,
         return tz_cli_usage(cli, "--json and the curves both want standard output");
     tz_status s = tz_curves_format(cli, output, &as_named, &format);
     if (s == TZ_OK && tz_path_is_svg(path))
-        s = tz_curves_read(cli, path, &as_drawn, NULL, &e.inputs, &e.set);
+        s = tz_curves_read(cli, path, &as_drawn, false, NULL, &e.inputs, &e.set);
     else if (s == TZ_OK)
         s = tz_curve_exemplar_find(cli, path, p, NULL, &e);
     if (s == TZ_OK && e.set.path.n == 0)

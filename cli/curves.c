@@ -10,6 +10,7 @@
 #include "cli/material.h"
 #include "curves/curve_dxf.h"
 #include "curves/curve_io.h"
+#include "curves/trim.h"
 
 #define AT(m) offsetof(tz_curve_input_params, m)
 static const tz_param input_rows[] = {
@@ -22,6 +23,10 @@ static const tz_param input_rows[] = {
      "Curves: lines that cross are joined there."},
     {"outlines", TZ_PARAM_BOOL, AT(outlines), 0, 1, "false", "", NULL,
      "Curves: filled shapes count as their outlines, not as lines as wide as they are."},
+    {"trim", TZ_PARAM_BOOL, AT(trim), 0, 1, "true", "", NULL,
+     "Curves: exemplars whose lines end together just inside their edge are cut there, "
+     "so "
+     "that these ends are none of the pattern."},
 };
 #undef AT
 const tz_param_table tz_curve_input_param_table = {
@@ -40,8 +45,33 @@ const tz_param_table tz_curve_output_param_table = {
     "curve output", "How curves are written.", output_rows,
     sizeof output_rows / sizeof *output_rows, sizeof(tz_curve_output_params)};
 
+tz_status tz_curves_trim(tz_cli *cli, const char *path, const tz_curve_input_params *p,
+                         tz_curve_set *set)
+{
+    tz_curve_set cut = {0};
+    tz_curve_trim_report r;
+    if (!p->trim || p->as_drawn)
+        return TZ_OK;
+    const tz_vec3 whole = set->domain.size;
+    const tz_status s = tz_curve_trim(cli->ctx, set, &cut, &r);
+    if (s != TZ_OK || !r.trimmed) {
+        tz_curve_set_deinit(&cut);
+        return s;
+    }
+    tz_curve_set_deinit(set);
+    *set = cut;
+    if (r.filled)
+        tz_warn(
+            cli->ctx,
+            "%s: %.0f %% of it is empty at the border; only %.4g x %.4g of %.4g x %.4g "
+            "counts (--trim false takes all of it)",
+            path, 100 * r.empty, r.size.x, r.size.y, whole.x, whole.y);
+    return TZ_OK;
+}
+
 tz_status tz_curves_read(tz_cli *cli, const char *path, const tz_curve_input_params *p,
-                         tz_record *record, tz_path_list *inputs, tz_curve_set *set)
+                         bool exemplar, tz_record *record, tz_path_list *inputs,
+                         tz_curve_set *set)
 {
     const tz_curve_read_options options = {.reach = p->join_reach,
                                            .as_drawn = p->as_drawn,
@@ -68,6 +98,13 @@ tz_status tz_curves_read(tz_cli *cli, const char *path, const tz_curve_input_par
     tz_array_free(set->ctx, &set->origin);
     tz_free(set->ctx, set->recipe);
     set->recipe = NULL;
+    if (exemplar)
+        s = tz_curves_trim(cli, path, p, set);
+    if (s != TZ_OK) {
+        tz_curve_set_deinit(set);
+        *set = (tz_curve_set){0};
+        return s;
+    }
     tz_figures_seconds(cli, "read", tz_seconds() - start);
     return TZ_OK;
 }

@@ -12,7 +12,7 @@
 /** Table: tz_curve_input_param_table. */
 typedef struct tz_curve_input_params {
     double join_reach;
-    bool as_drawn, crossings, outlines;
+    bool as_drawn, crossings, outlines, trim;
 } tz_curve_input_params;
 extern const tz_param_table tz_curve_input_param_table;
 
@@ -32,12 +32,18 @@ extern const tz_param_table tz_curve_output_param_table;
 
 /** Reads the curves (and elements) of a drawing, and records it. What its origins were is
  * forgotten: it is an exemplar now.
+ * @param exemplar        what tells of a pattern: it is trimmed (curves/trim.h) if p says so
  * @param[in,out] record  NULL, or what inputs are added to
  * @param[in,out] inputs  NULL, or files that must not be overwritten
  * @param[out] set        overwritten, not freed; zeroed on error
  * @return as tz_curve_read_svg; TZ_INVALID (arranged from a photo already) */
 tz_status tz_curves_read(tz_cli *cli, const char *path, const tz_curve_input_params *p,
-                         tz_record *record, tz_path_list *inputs, tz_curve_set *set);
+                         bool exemplar, tz_record *record, tz_path_list *inputs,
+                         tz_curve_set *set);
+/** Cuts an exemplar down to what shows its pattern, as far as that is wanted, and warns of
+ * what was cut off that is no mere edge. @param[in,out] set  unchanged on error */
+tz_status tz_curves_trim(tz_cli *cli, const char *path, const tz_curve_input_params *p,
+                         tz_curve_set *set);
 /** Settles what is written under that name.
  * @return TZ_OK; TZ_INVALID (another suffix, or one that contradicts --format) */
 tz_status tz_curves_format(tz_cli *cli, const char *path, const tz_curve_output_params *p,

@@ -73,7 +73,7 @@ static tz_status read_exemplar(run_state *r, bool known)
     tz_curve_exemplar *e = &r->exemplar;
     tz_status s = TZ_OK;
     if (!known && tz_path_is_svg(path))
-        s = tz_curves_read(cli, path, j->input, &r->record, &e->inputs, &e->set);
+        s = tz_curves_read(cli, path, j->input, true, &r->record, &e->inputs, &e->set);
     else if (!known)
         s = tz_curve_exemplar_find(cli, path, j->lines, &r->record, e);
     if (s == TZ_OK && e->set.path.n == 0)

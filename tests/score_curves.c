@@ -3,10 +3,11 @@
  *
  *   score_curves [--crossings] EXEMPLAR.svg LAYOUT.svg [EXEMPLAR.svg LAYOUT.svg ...]
  *
- * Prints mean ratio, ratio of length per area, dangling ends per length of both, by how
+ * Exemplars are trimmed as by the commands. Prints mean ratio, ratio of length per area, dangling ends per length of both, by how
  * much degrees are off, each ratio, the share of verbatim repeats of both, and seconds. */
 #include "curves/curve_compare.h"
 #include "curves/curve_io.h"
+#include "curves/trim.h"
 #include "tests/bench/bench.h"
 
 static const char *name_of(const char *path)
@@ -24,9 +25,10 @@ int main(int argc, char **argv)
         return 2;
     }
     for (int i = first; i + 1 < argc; i += 2) {
-        tz_curve_set a, b;
+        tz_curve_set whole, a, b;
         tz_curve_likeness q;
-        bench_check(ctx, tz_curve_read_svg(ctx, argv[i], &read, &a));
+        bench_check(ctx, tz_curve_read_svg(ctx, argv[i], &read, &whole));
+        bench_check(ctx, tz_curve_trim(ctx, &whole, &a, NULL));
         bench_check(ctx, tz_curve_read_svg(ctx, argv[i + 1], &read, &b));
         const double start = bench_now();
         bench_check(ctx, tz_curve_compare(ctx, &a, &b, &q));
@@ -37,6 +39,7 @@ int main(int argc, char **argv)
                q.dangling[1], q.degree_off, q.degrees, q.ends, q.edges, q.turning,
                q.orientation, q.density, q.cells, q.patches, q.repeats_own, q.repeats,
                bench_now() - start);
+        tz_curve_set_deinit(&whole);
         tz_curve_set_deinit(&a);
         tz_curve_set_deinit(&b);
     }
