@@ -7,12 +7,23 @@
  * lies on the medial axis. At the end each disc moves to the best place within its own
  * part of the shape, which spaces the discs of a long shape evenly.
  * Discs whose parts of the shape (by least power) touch are joined; what is still apart is
- * joined by its shortest ways. */
+ * joined by its shortest ways.
+ *
+ * The shape is the silhouette: the union of all polygons. By even and odd a vein, an eye
+ * or a second coat of paint would be a hole, and distances be those to the vein. So edges
+ * are cut to pieces, and those with the silhouette on both sides are left out. */
 #include "elements/disc_cover.h"
 
 #include <string.h>
 
-enum { SIDE = 56, MARGIN = 4, ROOM = SIDE + 2 * MARGIN + 2, CELLS = ROOM * ROOM };
+enum {
+    SIDE = 56,
+    MARGIN = 4,
+    ROOM = SIDE + 2 * MARGIN + 2,
+    CELLS = ROOM * ROOM,
+    FINE = 4, /* cells of the silhouette's mask along one of the grid */
+    MASK = FINE * ROOM
+};
 #define LARGER 0.22
 
 double tz_shape_distance_at(const tz_shape_distance *d, tz_vec2 at, tz_vec2 *slope)
@@ -45,9 +56,14 @@ typedef struct edge {
 
 typedef struct work {
     tz_shape_distance *d;
-    edge *edge;
+    edge *edge; /* of all polygons, each closed */
     int32_t edges;
-    int32_t near[CELLS]; /* nearest edge known, -1 = none */
+    int32_t *part; /* first edge of each */
+    int32_t parts;
+    TZ_ARRAY(edge)
+    rim;                 /* pieces of the silhouette's border */
+    int32_t near[CELLS]; /* nearest piece known, -1 = none */
+    bool mask[MASK * MASK], odd[MASK * MASK];
     bool in[CELLS];      /* inside */
     double miss[CELLS];  /* 1 = not covered yet */
     int8_t owner[CELLS]; /* disc of least power */
@@ -73,7 +89,7 @@ static void offer(work *w, int32_t at, int32_t e)
     float *v = &w->d->v[at];
     if (e < 0 || e == w->near[at])
         return;
-    const double d2 = to_edge2(&w->edge[e], place(w->d, at));
+    const double d2 = to_edge2(&w->rim.v[e], place(w->d, at));
     if (d2 < (double)*v)
         *v = (float)d2, w->near[at] = e;
 }
@@ -82,7 +98,7 @@ static void offer(work *w, int32_t at, int32_t e)
 static void seed(work *w, int32_t e)
 {
     const tz_shape_distance *d = w->d;
-    const tz_vec2 a = w->edge[e].a, b = w->edge[e].b;
+    const tz_vec2 a = w->rim.v[e].a, b = w->rim.v[e].b;
     const int32_t steps = 1 + (int32_t)(hypot(b.x - a.x, b.y - a.y) / d->cell * 2);
     for (int32_t k = 0; k <= steps; k++) {
         const double t = (double)k / steps;
@@ -107,24 +123,76 @@ static void sweep(work *w)
         }
 }
 
-/* Even-odd by crossings of each row. */
-static void find_inside(work *w)
+/* One polygon by crossings of each row of the mask. */
+static void add_polygon(work *w, int32_t from, int32_t to)
 {
     const tz_shape_distance *d = w->d;
-    memset(w->in, 0, sizeof w->in);
-    for (int32_t e = 0; e < w->edges; e++) {
+    const double cell = d->cell / FINE;
+    int32_t lo = MASK, hi = -1;
+    for (int32_t e = from; e < to; e++) {
         const edge *g = &w->edge[e];
-        for (int32_t j = 0; j < d->height; j++) {
-            const double y = d->origin.y + j * d->cell;
+        const double y0 = (fmin(g->a.y, g->b.y) - d->origin.y) / cell,
+                     y1 = (fmax(g->a.y, g->b.y) - d->origin.y) / cell;
+        for (int32_t j = (int32_t)fmax(y0, 0); j <= y1 && j < MASK; j++) {
+            const double y = d->origin.y + j * cell;
             if ((g->a.y > y) == (g->b.y > y))
                 continue;
             const double x =
                 g->a.x + (y - g->a.y) / (g->b.y - g->a.y) * (g->b.x - g->a.x);
-            const double c = ceil((x - d->origin.x) / d->cell);
-            for (int32_t i = (int32_t)fmax(c, 0); i < d->width; i++)
-                w->in[j * d->width + i] ^= 1;
+            const double c = ceil((x - d->origin.x) / cell);
+            if (c < MASK)
+                w->odd[j * MASK + (int32_t)fmax(c, 0)] ^= 1;
+            lo = j < lo ? j : lo, hi = j > hi ? j : hi;
         }
     }
+    for (int32_t j = lo; j <= hi; j++) {
+        bool in = false;
+        for (int32_t i = j * MASK; i < (j + 1) * MASK; i++) {
+            in ^= w->odd[i];
+            w->odd[i] = false;
+            w->mask[i] |= in;
+        }
+    }
+}
+
+static bool in_mask(const work *w, tz_vec2 p)
+{
+    const double cell = w->d->cell / FINE;
+    const int32_t i = (int32_t)((p.x - w->d->origin.x) / cell + 0.5),
+                  j = (int32_t)((p.y - w->d->origin.y) / cell + 0.5);
+    return i >= 0 && i < MASK && j >= 0 && j < MASK && w->mask[j * MASK + i];
+}
+
+/* Pieces of an edge that have the silhouette on one side at most. */
+static tz_status add_pieces(tz_ctx *ctx, work *w, const edge *g)
+{
+    const tz_vec2 v = tz_vec2_sub(g->b, g->a);
+    const double l = tz_vec2_length(v), cell = w->d->cell;
+    const int32_t n = 1 + (int32_t)(l / cell);
+    const double off = l > 0 ? 1.6 * cell / FINE / l : 0;
+    tz_status s = TZ_OK;
+    for (int32_t k = 0; k < n && s == TZ_OK; k++) {
+        const edge e = {tz_vec2_add(g->a, tz_vec2_scale(v, (double)k / n)),
+                        tz_vec2_add(g->a, tz_vec2_scale(v, (k + 1.0) / n))};
+        const tz_vec2 m = tz_vec2_scale(tz_vec2_add(e.a, e.b), 0.5);
+        if (!in_mask(w, (tz_vec2){m.x - off * v.y, m.y + off * v.x}) ||
+            !in_mask(w, (tz_vec2){m.x + off * v.y, m.y - off * v.x}))
+            s = tz_array_push(ctx, &w->rim, e);
+    }
+    return s;
+}
+
+static tz_status find_silhouette(tz_ctx *ctx, work *w)
+{
+    const tz_shape_distance *d = w->d;
+    tz_status s = TZ_OK;
+    for (int32_t k = 0; k < w->parts; k++)
+        add_polygon(w, w->part[k], k + 1 < w->parts ? w->part[k + 1] : w->edges);
+    for (int32_t i = 0; i < d->width * d->height; i++)
+        w->in[i] = w->mask[i / d->width * FINE * MASK + i % d->width * FINE];
+    for (int32_t e = 0; e < w->edges && s == TZ_OK; e++)
+        s = add_pieces(ctx, w, &w->edge[e]);
+    return s;
 }
 
 static tz_status measure(tz_ctx *ctx, work *w, tz_vec2 lo, tz_vec2 hi)
@@ -138,15 +206,16 @@ static tz_status measure(tz_ctx *ctx, work *w, tz_vec2 lo, tz_vec2 hi)
     d->height = d->height < ROOM ? d->height : ROOM;
     d->origin = (tz_vec2){lo.x - MARGIN * d->cell, lo.y - MARGIN * d->cell};
     const int32_t n = d->width * d->height;
-    const tz_status s = tz_alloc(ctx, &d->v, (size_t)n, sizeof *d->v);
+    tz_status s = tz_alloc(ctx, &d->v, (size_t)n, sizeof *d->v);
+    if (s == TZ_OK)
+        s = find_silhouette(ctx, w);
     if (s != TZ_OK)
         return s;
     for (int32_t i = 0; i < n; i++)
         d->v[i] = 1e30f, w->near[i] = -1;
-    for (int32_t e = 0; e < w->edges; e++)
+    for (int32_t e = 0; e < w->rim.n; e++)
         seed(w, e);
     sweep(w);
-    find_inside(w);
     for (int32_t i = 0; i < n; i++)
         d->v[i] = (w->in[i] ? 1 : -1) * sqrtf(d->v[i]);
     return TZ_OK;
@@ -375,10 +444,13 @@ static tz_status collect(tz_ctx *ctx, work *w, const tz_vec2 *point, int32_t poi
 {
     enum { ROUND = 48 };
     const bool round = points < 3 || parts < 1;
-    const tz_status s =
+    tz_status s =
         tz_alloc(ctx, &w->edge, (size_t)(round ? ROUND : points), sizeof *w->edge);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &w->part, (size_t)(round ? 1 : parts), sizeof *w->part);
     if (s != TZ_OK)
         return s;
+    w->parts = round ? 1 : parts;
     for (int k = 0; k < ROUND && round; k++) {
         const double a = 2 * TZ_PI * k / ROUND, b = 2 * TZ_PI * (k + 1) / ROUND;
         w->edge[w->edges++] = (edge){{radius * cos(a), radius * sin(a)},
@@ -386,6 +458,7 @@ static tz_status collect(tz_ctx *ctx, work *w, const tz_vec2 *point, int32_t poi
     }
     for (int32_t k = 0; k < parts && !round; k++) {
         const int32_t from = part[k], to = k + 1 < parts ? part[k + 1] : points;
+        w->part[k] = w->edges;
         for (int32_t i = from; i < to; i++)
             w->edge[w->edges++] = (edge){point[i], point[i + 1 < to ? i + 1 : from]};
     }
@@ -428,6 +501,8 @@ tz_status tz_disc_cover_init(tz_ctx *ctx, const tz_vec2 *point, int32_t points,
         measure_cover(w, c);
     }
     tz_free(ctx, w->edge);
+    tz_free(ctx, w->part);
+    tz_array_free(ctx, &w->rim);
     tz_free(ctx, w);
     if (s != TZ_OK)
         tz_disc_cover_deinit(c);

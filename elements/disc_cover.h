@@ -38,8 +38,8 @@ typedef struct tz_disc_cover {
     tz_ctx *ctx;
 } tz_disc_cover;
 
-/** @param point, part  closed polygons, even-odd, as in tz_element_symbol; no polygon = a
- *                      disc of `radius` about the origin
+/** @param point, part  closed polygons, as in tz_element_symbol, whose union is the shape;
+ *                      no polygon = a disc of `radius` about the origin
  * @param radius  of the shape's circle about the origin
  * @param most    discs wanted at most, 1 .. TZ_COVER_DISCS
  * @param share   of the area that the discs, a little larger, are to cover; 0.97 is usual

@@ -16,14 +16,20 @@ enum { SIDE = 1024, NEAR = 6 };
 typedef struct cover {
     tz_raster raster;
     uint8_t *count;
+    int32_t *last; /* element that a cell has counted last: each counts once, whatever it
+                      paints there */
+    int32_t element;
 } cover;
 
 static void add_span(void *user, int32_t row, int32_t x0, int32_t x1)
 {
     cover *c = user;
-    uint8_t *line = c->count + (ptrdiff_t)row * c->raster.width;
-    for (int32_t x = x0; x < x1; x++)
-        line[x] += line[x] < 255;
+    const ptrdiff_t line = (ptrdiff_t)row * c->raster.width;
+    for (ptrdiff_t i = line + x0; i < line + x1; i++) {
+        if (c->last[i] != c->element)
+            c->count[i] = (uint8_t)(c->count[i] + (c->count[i] < 255));
+        c->last[i] = c->element;
+    }
 }
 
 /* Outline of an element in the world. */
@@ -50,6 +56,27 @@ static tz_status outline_of(tz_ctx *ctx, const tz_element_set *set, tz_bend_rest
     return s;
 }
 
+/* The silhouette: the union of all polygons. */
+static tz_status add_polygons(tz_ctx *ctx, cover *c, const tz_polys *polys, double x,
+                              double y)
+{
+    tz_polys one = {0};
+    const int32_t zero = 0;
+    tz_status s = tz_array_push(ctx, &one.part, zero);
+    for (int32_t k = 0; k < polys->part.n && s == TZ_OK; k++) {
+        const int32_t to = k + 1 < polys->part.n ? polys->part.v[k + 1] : polys->point.n;
+        one.point.n = 0;
+        for (int32_t i = polys->part.v[k]; i < to && s == TZ_OK; i++)
+            s = tz_array_push(
+                ctx, &one.point,
+                ((tz_vec2){polys->point.v[i].x + x, polys->point.v[i].y + y}));
+        if (s == TZ_OK)
+            s = tz_guide_fill(ctx, &c->raster, &one, true, add_span, c);
+    }
+    tz_polys_deinit(ctx, &one);
+    return s;
+}
+
 static tz_status add_element(tz_ctx *ctx, const tz_element_set *set, cover *c,
                              tz_polys *polys)
 {
@@ -65,11 +92,7 @@ static tz_status add_element(tz_ctx *ctx, const tz_element_set *set, cover *c,
             if (box.x1 + x < 0 || box.y1 + y < 0 || box.x0 + x > size.x ||
                 box.y0 + y > size.y)
                 continue;
-            for (int32_t k = 0; k < polys->point.n; k++)
-                polys->point.v[k].x += x, polys->point.v[k].y += y;
-            s = tz_guide_fill(ctx, &c->raster, polys, true, add_span, c);
-            for (int32_t k = 0; k < polys->point.n; k++)
-                polys->point.v[k].x -= x, polys->point.v[k].y -= y;
+            s = add_polygons(ctx, c, polys, x, y);
         }
     return s;
 }
@@ -179,7 +202,7 @@ tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
                           const tz_element_set *palette, const tz_element_field *field,
                           int32_t side, tz_fill_report *r)
 {
-    cover c = {.count = NULL};
+    cover c = {.count = NULL, .last = NULL};
     tz_polys polys = {0};
     tz_bend_rests rests = {0};
     *r = (tz_fill_report){.elements = layout->element.n};
@@ -189,10 +212,14 @@ tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
         s = tz_alloc_zero(ctx, &c.count, (size_t)c.raster.width * (size_t)c.raster.height,
                           1);
     if (s == TZ_OK)
+        s = tz_alloc_zero(ctx, &c.last, (size_t)c.raster.width * (size_t)c.raster.height,
+                          sizeof *c.last);
+    if (s == TZ_OK)
         s = tz_bend_rests_init(ctx, layout, &rests);
     for (int32_t i = 0; i < layout->element.n && s == TZ_OK; i++) {
         if (layout->kind.v[layout->element.v[i].kind].is_void)
             continue;
+        c.element = i + 1;
         s = outline_of(ctx, layout, &rests, i, &polys);
         if (s == TZ_OK)
             s = add_element(ctx, layout, &c, &polys);
@@ -205,5 +232,6 @@ tz_status tz_fill_measure(tz_ctx *ctx, const tz_element_set *layout,
     if (rests.ctx)
         tz_bend_rests_deinit(&rests);
     tz_free(ctx, c.count);
+    tz_free(ctx, c.last);
     return s;
 }

@@ -62,38 +62,54 @@ static void take_graph(tz_fill_model *m)
     invert_graph(m);
 }
 
-/* Points of an outline at even distances, first of each polygon among them. */
+/* Along all polygons, in steps: places on the silhouette's border are counted, and of
+ * every `each` of them one is kept. Returns how many there are. */
+static int64_t walk_border(tz_fill_model *m, const tz_vec2 *v, int32_t n,
+                           const int32_t *part, int32_t parts, double step, double each)
+{
+    const tz_shape_distance *d = &m->cover.distance;
+    int64_t count = 0;
+    double left = 0;
+    for (int32_t k = 0; k < parts; k++) {
+        const int32_t from = part[k], to = k + 1 < parts ? part[k + 1] : n;
+        for (int32_t i = from; i < to; i++) {
+            const tz_vec2 a = v[i], b = v[i + 1 < to ? i + 1 : from];
+            const double l = hypot(b.x - a.x, b.y - a.y);
+            for (; left < l; left += step) {
+                const double t = left / l;
+                const tz_vec2 p = {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+                if (tz_shape_distance_at(d, p, NULL) > d->cell)
+                    continue; /* painted over */
+                if (each > 0 && m->borders < TZ_FILL_BORDER &&
+                    count >= (int64_t)floor(m->borders * each))
+                    m->border[m->borders++] = p;
+                count++;
+            }
+            left -= l;
+        }
+    }
+    return count;
+}
+
+/* Points of the silhouette's border at even distances. */
 static tz_status take_border(tz_ctx *ctx, tz_fill_model *m, const tz_vec2 *v, int32_t n,
                              const int32_t *part, int32_t parts)
 {
-    double all = 0, next = 0, way = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        if (pass == 1) {
-            const tz_status s =
-                tz_alloc(ctx, &m->border, TZ_FILL_BORDER, sizeof *m->border);
-            if (s != TZ_OK)
-                return s;
-        }
-        for (int32_t k = 0; k < parts; k++) {
-            const int32_t from = part[k], to = k + 1 < parts ? part[k + 1] : n;
-            for (int32_t i = from; i < to; i++) {
-                const tz_vec2 a = v[i], b = v[i + 1 < to ? i + 1 : from];
-                const double l = hypot(b.x - a.x, b.y - a.y);
-                if (pass == 0) {
-                    all += l;
-                    continue;
-                }
-                for (; next < way + l && m->borders < TZ_FILL_BORDER;
-                     next += all / TZ_FILL_BORDER) {
-                    const double t = (next - way) / l;
-                    m->border[m->borders++] =
-                        (tz_vec2){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
-                }
-                way += l;
-            }
+    double all = 0;
+    const tz_status s = tz_alloc(ctx, &m->border, TZ_FILL_BORDER, sizeof *m->border);
+    for (int32_t k = 0; k < parts && s == TZ_OK; k++) {
+        const int32_t from = part[k], to = k + 1 < parts ? part[k + 1] : n;
+        for (int32_t i = from; i < to; i++) {
+            const tz_vec2 a = v[i], b = v[i + 1 < to ? i + 1 : from];
+            all += hypot(b.x - a.x, b.y - a.y);
         }
     }
-    return TZ_OK;
+    if (s != TZ_OK || !(all > 0))
+        return s;
+    const double step = all / (32 * TZ_FILL_BORDER);
+    const int64_t count = walk_border(m, v, n, part, parts, step, 0);
+    walk_border(m, v, n, part, parts, step, (double)count / TZ_FILL_BORDER);
+    return s;
 }
 
 static tz_vec2 turned(tz_vec2 p, double angle, double scale)

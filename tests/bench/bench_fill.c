@@ -10,6 +10,10 @@
  *
  * a brush over one element in a hundred of a settled layout: replace, settle.
  *
+ *   bench_fill drawing PALETTE.svg STROKES.svg SIDE OUT.svg
+ *
+ * a palette and strokes that are given: figures and a layout.
+ *
  *   bench_fill cases OUT [NAME]
  *
  * ten cases, four ways: ours; as published (all at random places, no repair); and the
@@ -145,6 +149,34 @@ static void edit(tz_ctx *ctx, int32_t count)
     if (getenv("FILL_OUT"))
         bench_check(ctx, tz_element_write_svg(ctx, getenv("FILL_OUT"), &layout));
     tz_fill_end(f);
+    tz_element_set_deinit(&layout);
+    tz_element_set_deinit(&palette);
+}
+
+/* ---- given drawings ----------------------------------------------------------------- */
+
+static void drawing(tz_ctx *ctx, char **arg)
+{
+    const double side = atof(arg[2]);
+    const tz_domain d = {.size = {side, side, 0}};
+    tz_element_set palette, layout;
+    tz_element_field field;
+    tz_fill_report r;
+    bench_check(ctx, tz_element_read_svg(ctx, arg[0], NULL, &palette));
+    bench_check(ctx, tz_element_field_read(ctx, arg[1], d.size, false, &field));
+    bench_check(ctx, tz_element_set_like(ctx, &palette, &d, &layout));
+    const tz_fill_job job = {
+        .palette = &palette, .domain = d, .field = &field, .seed = 1};
+    const double c0 = bench_cpu();
+    bench_check(ctx, tz_fill_run(ctx, &job, &layout, &r));
+    printf("drawing %s elements %d samples %d covered %.3f overlap %.4f hole %.4f turn "
+           "%.2f align %.2f moved %d shrunk %d dropped %d inserted %d seconds %.2f cpu "
+           "%.2f\n",
+           arg[0], r.elements, r.samples, r.covered, r.overlap, r.hole / side,
+           r.turn * 180 / TZ_PI, r.align * 180 / TZ_PI, r.moved, r.shrunk, r.dropped,
+           r.inserted, r.seconds, bench_cpu() - c0);
+    bench_check(ctx, tz_element_write_svg(ctx, arg[3], &layout));
+    tz_element_field_deinit(&field);
     tz_element_set_deinit(&layout);
     tz_element_set_deinit(&palette);
 }
@@ -371,6 +403,8 @@ int main(int argc, char **argv)
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
             if (argc < 4 || strstr(cases[k].name, argv[3]))
                 run_case(ctx, &cases[k], argv[2]);
+    } else if (strcmp(what, "drawing") == 0 && argc > 5) {
+        drawing(ctx, argv + 2);
     } else if (strcmp(what, "edit") == 0) {
         edit(ctx, argc > 2 ? atoi(argv[2]) : 10000);
     } else {
