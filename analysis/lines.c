@@ -140,7 +140,7 @@ static tz_status complete(search *f, track *t)
 
 /* ---- which kinds --------------------------------------------------------------------- */
 
-static tz_status answer(search *f)
+static tz_status answer(search *f, int tones)
 {
     const int32_t w = f->picture.width, h = f->picture.height;
     double width[2] = {f->p->width[0] / f->side, f->p->width[1] / f->side};
@@ -154,7 +154,7 @@ static tz_status answer(search *f)
         tz_line_graph_deinit(&f->track[k].g);
         f->track[k].g.ctx = f->ctx;
     }
-    const tz_status s = tz_line_ridges(f->ctx, f->grey, w, h, width, field);
+    const tz_status s = tz_line_ridges(f->ctx, f->grey, w, h, width, tones, field);
     for (int k = 0; k < 2 && s == TZ_OK; k++)
         f->track[k].field = field[k];
     return s;
@@ -165,7 +165,7 @@ static tz_status answer(search *f)
 static tz_status ridges(search *f, tz_lines_verdict *v)
 {
     bool changed = false;
-    tz_status s = answer(f);
+    tz_status s = answer(f, f->p->tone ? f->p->tone : 3);
     for (int k = 0; k < 2 && s == TZ_OK; k++)
         if (f->p->tone == 0 || f->p->tone == 3 || f->p->tone == k + 1)
             s = follow(f, &f->track[k]);
@@ -177,7 +177,7 @@ static tz_status ridges(search *f, tz_lines_verdict *v)
     if (s == TZ_OK && v->tone < 3)
         s = tz_line_axis(&f->track[v->tone - 1].g, &f->picture, f->grey, &changed);
     if (s == TZ_OK && changed) {
-        s = answer(f);
+        s = answer(f, v->tone);
         if (s == TZ_OK)
             s = follow(f, &f->track[v->tone - 1]);
     }

@@ -12,8 +12,10 @@
 
 #include "analysis/lines_field.h"
 
-#define REACH 10
-#define SIGMA 5.0
+#define REACH  10
+#define SIGMA  5.0
+#define ONE    4096 /* parts of a px that a step is counted in */
+#define MARGIN 16   /* at least REACH: what is divided stays positive */
 
 typedef struct job {
     tz_line_field *f;
@@ -28,10 +30,11 @@ static float along(const job *j, int32_t x, int32_t y)
     const float c = m->normal[p], s = m->normal[p + n];
     const float ux = -sqrtf(fmaxf(0, 0.5F * (1 - c))) * (s < 0 ? -1.0F : 1.0F),
                 uy = sqrtf(fmaxf(0, 0.5F * (1 + c)));
+    const int32_t du = (int32_t)(ux * ONE), dv = (int32_t)(uy * ONE);
     float sum = 0;
     for (int t = -REACH; t <= REACH; t++) {
-        const int32_t u = x + (int32_t)lrintf((float)t * ux),
-                      v = y + (int32_t)lrintf((float)t * uy);
+        const int32_t u = x + (MARGIN * ONE + ONE / 2 + t * du) / ONE - MARGIN,
+                      v = y + (MARGIN * ONE + ONE / 2 + t * dv) / ONE - MARGIN;
         if (u < 0 || v < 0 || u >= m->width || v >= m->height)
             continue;
         const ptrdiff_t q = (ptrdiff_t)v * m->width + u;

@@ -42,10 +42,11 @@ void tz_line_picture_deinit(tz_line_picture *p); /**< takes zeroed */
 
 /** Lines darker and lines lighter than their sides, of a plane.
  * @param width     least and largest, px
- * @param[out] out  dark, light; zeroed on error
+ * @param tones     1 dark, 2 light, 3 both
+ * @param[out] out  dark, light; zeroed on error, and what was not asked for
  * @cost O(pixels * scales), in parallel by rows */
 tz_status tz_line_ridges(tz_ctx *ctx, float *plane, int32_t w, int32_t h,
-                         const double width[2], tz_line_field out[2]);
+                         const double width[2], int tones, tz_line_field out[2]);
 
 /** Strengths become those along the line (lines_along.c). */
 tz_status tz_line_along(tz_ctx *ctx, tz_line_field *f);

@@ -31,6 +31,7 @@ typedef struct ridges {
     double sigma;
     float gain; /* of this scale */
     float *sample;
+    int tones;
     tz_line_field *out;
 } ridges;
 
@@ -175,7 +176,7 @@ static tz_status ridge_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
             shape d;
             float minor;
             const float l = bend(a + x, b + x, c + x, &d, &minor);
-            if (fabsf(l) < least)
+            if (fabsf(l) < least || !(j->tones & (l < 0 ? 2 : 1)))
                 continue;
             d.x = 0.5F * (b[x + 1] - b[x - 1]);
             d.y = 0.5F * (c[x] - a[x]);
@@ -186,14 +187,15 @@ static tz_status ridge_band(tz_ctx *ctx, void *arg, int64_t i, int worker)
 }
 
 tz_status tz_line_ridges(tz_ctx *ctx, float *plane, int32_t w, int32_t h,
-                         const double width[2], tz_line_field out[2])
+                         const double width[2], int tones, tz_line_field out[2])
 {
-    ridges j = {.plane = plane, .w = w, .h = h, .out = out};
+    ridges j = {.plane = plane, .w = w, .h = h, .tones = tones, .out = out};
     const int32_t bands = (h + BAND - 1) / BAND;
     out[0] = out[1] = (tz_line_field){0};
     tz_status s = tz_alloc(ctx, &j.blurred, (size_t)w * (size_t)h, sizeof(float));
     for (int k = 0; k < 2 && s == TZ_OK; k++)
-        s = tz_line_field_init(ctx, &out[k], w, h);
+        if (tones & (k + 1))
+            s = tz_line_field_init(ctx, &out[k], w, h);
     out[1].light = true;
     double first = 0;
     if (s == TZ_OK)

@@ -206,7 +206,9 @@ void tz_line_graph_cover(const tz_line_graph *g, double side, double more, int32
             for (int32_t y = (int32_t)fmax(0, floor(y0 - r)); y < h && y <= y0 + r; y++)
                 for (int32_t x = (int32_t)fmax(0, floor(x0 - r)); x < w && x <= x0 + r;
                      x++)
-                    if (hypot(x + 0.5 - x0, y + 0.5 - y0) <= r)
+                    if ((x + 0.5 - x0) * (x + 0.5 - x0) +
+                            (y + 0.5 - y0) * (y + 0.5 - y0) <=
+                        r * r)
                         mask[(ptrdiff_t)y * w + x] = 1;
         }
 }

@@ -6,7 +6,8 @@
 #
 # Sections: analyze, edges, render, arrange, expand, scores, elements (growth, the energy
 # solver), likeness (layouts of elements against their drawings), curves (layouts of curves
-# against theirs, and lines of photos; speed), things (photo to elements),
+# against theirs, and lines of photos; speed), lines (photo to curves, against lines that are
+# known), things (photo to elements),
 # drawings (elements to pixels), others (layout documents, the measures themselves); huge (32,768 x 32,768 px, writes some
 # 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
 # BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
@@ -19,7 +20,7 @@ build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
 shift
 sections=("$@")
 [ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores elements likeness
-    curves things drawings others)
+    curves lines things drawings others)
 terrazzo=$build/bin/terrazzo
 tools=$build/tests
 out=$build/bench
@@ -436,6 +437,33 @@ ends per length, node degrees within 5 %)"
     "$tools/bench_curves" "${exemplars[0]}" | sed 's/^/  /'
 }
 
+bench_lines() {
+    title "lines: photo to curves, against lines that are known, and two rivals, each at the best of
+its settings (goals: F higher than theirs; 1024 x 1024 px under 1 s)"
+    local p of=()
+    for p in "$(photo 'cobble*' 'bricks*')" "$(photo 'cracked*' 'mud*')" \
+        "$(photo 'stone_wall*' 'stones*')"; do
+        of+=("$p")
+    done
+    "$tools/bench_lines" "${of[@]}" >"$out/lines" || return 1
+    grep '^lines ' "$out/lines" | cut -d' ' -f2- >"$out/lines-truth"
+    grep '^photo ' "$out/lines" | cut -d' ' -f2- >"$out/lines-photos"
+    awk 'BEGIN { printf "  %-12s %-10s %-14s %6s %6s %6s %8s %8s %7s %8s\n", "set", "by",
+                 "settings", "F", "prec.", "recall", "off px", "width", "pieces", "s" }
+         { printf "  %-12s %-10s %-14s %6.3f %6.3f %6.3f %8.2f %8.3f %7d %8.4f\n", $1, $2, $3, $4,
+               $5, $6, $7, $8, $9, $10
+           if ($2 == "ridges") own[$1] = $4; else if ($4 > best[$1]) best[$1] = $4 }
+         END { for (s in own) { n++; won += own[s] > best[s] }
+               printf "  F higher than both on %d of %d sets: %s\n", won, n,
+                   won == n ? "met" : "MISSED" }' "$out/lines-truth"
+    awk '{ split($2, s, "x"); goal = s[1] * s[2] < 1e6 ? "" : $(NF - 1) < 1 ? "met" : "MISSED"
+           printf "  %-26s %-10s %-5s %-5s %4d paths, %4.1f px wide, contrast %5.2f, joined %.2f  %6.3f s  cpu %6.3f s  %s\n",
+               $1, $2, $4, $5, $6, $8, $10, $11, $12, $13, goal }' "$out/lines-photos"
+    rows lines set by settings f precision recall off width pieces seconds <"$out/lines-truth"
+    rows lines-photos photo size verdict line tone paths pieces width length contrast joined \
+        seconds cpu <"$out/lines-photos"
+}
+
 bench_things() {
     title "things: photo to elements, against the known pieces of scenes (IoU 0.5), and the
 watershed on distances from thresholded pixels"
@@ -486,8 +514,8 @@ line=$(machine)
 echo "bench: $line"
 for section in "${sections[@]}"; do
     case $section in
-    analyze | edges | render | arrange | expand | scores | elements | likeness | curves | things | \
-        drawings | others | huge)
+    analyze | edges | render | arrange | expand | scores | elements | likeness | curves | lines | \
+        things | drawings | others | huge)
         "bench_$section" || { echo "  $section failed"; failed=1; } ;;
     *) echo "bench: no section $section" >&2; exit 2 ;;
     esac
@@ -495,7 +523,7 @@ done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
     for section in analyze edges render arrange expand scores elements likeness curves \
-        curves-speed others huge; do
+        curves-speed lines lines-photos others huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'
