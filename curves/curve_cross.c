@@ -291,6 +291,8 @@ static bool worth(const finder *f, const tz_curve_cut *c, double along_end,
     return fabs(along - along_end) > 4 * w->reach;
 }
 
+enum { NO_END = -1, UNUSED = -2 }; /* in place of the path that ends in a node */
+
 /* T-junctions: nodes, and with more reach ends of paths, that lie on a piece. */
 static tz_status find_touching(finder *f, const double *along_end,
                                const int32_t *path_end)
@@ -299,6 +301,8 @@ static tz_status find_touching(finder *f, const double *along_end,
     touching k = {.f = f};
     for (k.node = 0; k.node < f->first && k.status == TZ_OK; k.node++) {
         const tz_vec2 p = w->set.node.v[k.node];
+        if (path_end[k.node] == UNUSED)
+            continue;
         k.reach = w->end[k.node] ? w->reach : w->same;
         k.near.n = k.distance.n = 0;
         visit(&f->grid, p, p, k.reach, touch_cell, &k);
@@ -451,12 +455,15 @@ static tz_status find_crossings(finder *f)
 
 /* ---- all --------------------------------------------------------------------------- */
 
-/* Where along which path each end of a path lies. */
+/* Where along which path each end of a path lies; nodes that were merged into others are
+ * none any more. */
 static void place_ends(const tz_curve_work *w, double *along, int32_t *path)
 {
     const tz_curve_set *set = &w->set;
     for (int32_t i = 0; i < set->node.n; i++)
-        path[i] = -1;
+        path[i] = UNUSED;
+    for (int32_t i = 0; i < set->piece.n; i++)
+        path[set->piece.v[i].from] = path[set->piece.v[i].to] = NO_END;
     for (int32_t i = 0; i < set->path.n; i++) {
         const tz_curve_path *p = &set->path.v[i];
         const int32_t last = p->piece + p->pieces - 1;

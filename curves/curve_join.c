@@ -305,12 +305,17 @@ static tz_status find_twice(tz_curve_work *w, const tz_curve_set *s, bool *gone)
     }
     if (s->piece.n > 1)
         qsort(e, (size_t)s->piece.n, sizeof *e, by_ends);
-    for (int32_t i = 1; i < s->piece.n; i++)
-        for (int32_t j = i - 1; j >= 0 && i - j <= MOST && e[j].low == e[i].low &&
-                                e[j].high == e[i].high && !gone[e[i].piece];
-             j--)
-            gone[e[i].piece] =
-                !gone[e[j].piece] && coincide(s, e[i].piece, e[j].piece, same);
+    int32_t first = 0,
+            stay = 0; /* those of the same ends that stay, moved up to e[first] */
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        const ended at = e[i];
+        if (at.low != e[first].low || at.high != e[first].high)
+            first = i, stay = 0;
+        for (int32_t j = stay - 1; j >= 0 && stay - j <= MOST && !gone[at.piece]; j--)
+            gone[at.piece] = coincide(s, at.piece, e[first + j].piece, same);
+        if (!gone[at.piece])
+            e[first + stay++] = at;
+    }
     tz_free(w->ctx, e);
     return TZ_OK;
 }

@@ -4,8 +4,10 @@
  * own documents are read to the bit, see curve_read_own.c. */
 #include "curves/curve_io.h"
 
+#include <stdio.h>
 #include <string.h>
 
+#include "base/ctx_internal.h"
 #include "curves/curve_join.h"
 #include "curves/curve_own_internal.h"
 #include "curves/curve_read_internal.h"
@@ -276,6 +278,15 @@ static void take_elements(tz_element_reader *r, tz_curve_set *set)
     r->set.ctx = r->ctx;
 }
 
+/* What joining says, which knows of no file. */
+static tz_status name_file(tz_element_reader *r, tz_status s)
+{
+    char why[200];
+    snprintf(why, sizeof why, "%s", tz_ctx_message(r->ctx));
+    tz_ctx_forget_message(r->ctx);
+    return tz_fail(r->ctx, s, "%s: %s", r->name, why);
+}
+
 static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options *opt,
                               tz_curve_set *out)
 {
@@ -290,8 +301,11 @@ static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options 
         take_elements(r, out);
         return TZ_OK;
     }
-    if (s == TZ_OK)
+    if (s == TZ_OK) {
         s = tz_curve_join(r->ctx, &set, &join, out);
+        if (s == TZ_LIMIT)
+            s = name_file(r, s);
+    }
     tz_curve_set_deinit(&set);
     if (s == TZ_OK)
         take_elements(r, out);

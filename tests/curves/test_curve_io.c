@@ -583,6 +583,29 @@ static tz_status read_and_join(tz_ctx *c)
     return st;
 }
 
+/* One line a thousand times, and a thousand that meet: no more in one spot than one. */
+static void test_one_spot(void **state)
+{
+    enum { MANY = 1000, EACH = 80 };
+    (void)state;
+    char *text = malloc(sizeof HEAD + sizeof TAIL + (size_t)MANY * EACH);
+    for (int star = 0; star < 2; star++) {
+        char *at = text + sprintf(text, "%s", HEAD);
+        for (int i = 0; i < MANY; i++) {
+            const double a = i * TZ_PI / MANY * 2;
+            at += star ? sprintf(at, "<path d='M50 50L%.9g %.9g'/>", 50 + 49 * cos(a),
+                                 50 + 49 * sin(a))
+                       : sprintf(at, "<path d='M%s'/>",
+                                 i % 2 ? "10 10C20 10 30 20 40 90"
+                                       : "40 90C30 20 20 10 10 10");
+        }
+        strcpy(at, TAIL);
+        const tz_curve_read_options fine = {.reach = 1e-3};
+        read_as(text, &fine, star ? MANY : 1, star ? MANY : 1, star ? MANY + 1 : 2);
+    }
+    free(text);
+}
+
 static void test_memory(void **state)
 {
     (void)state;
@@ -605,6 +628,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_edited, begin, end),
         cmocka_unit_test_setup_teardown(test_join_again, begin, end),
         cmocka_unit_test_setup_teardown(test_many_crossings, begin, end),
+        cmocka_unit_test_setup_teardown(test_one_spot, begin, end),
         cmocka_unit_test_setup_teardown(test_memory, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
