@@ -11,7 +11,7 @@
 
 #include "curves/finish_internal.h"
 
-enum { ROUNDS = 10 };
+enum { ROUNDS = 12 };
 #define DENSE  3    /* delta is no more than so many times area over length */
 #define JOIN   0.02 /* of delta: what is so near touches */
 #define MARGIN 0.1  /* of delta */
@@ -100,16 +100,17 @@ static tz_status measure_twins(const tz_net *n, tz_finish_limits *l)
     return s;
 }
 
-/* Gaps that cost less than nearly all of the exemplar's own are none of its kind. Of few
- * ends nothing can be told. */
+/* What the exemplar's own gaps cost. Of few ends nothing can be told. */
 static tz_status measure_gaps(const tz_net *n, tz_finish_limits *l)
 {
     tz_finish_costs cost = {0};
     const tz_status s = tz_finish_end_costs(n, l, &cost);
-    l->cost = INFINITY;
-    if (s == TZ_OK && cost.n >= FEW) {
+    l->length = n->length;
+    if (s == TZ_OK && cost.n >= FEW && n->length > 0) {
         qsort(cost.v, (size_t)cost.n, sizeof *cost.v, up);
-        l->cost = cost.v[cost.n / 10];
+        l->gap = cost.v;
+        l->gaps = cost.n;
+        return TZ_OK;
     }
     tz_array_free(n->ctx, &cost);
     return s;
@@ -162,6 +163,12 @@ static tz_status measure_bend(const tz_net *n, tz_finish_limits *l)
     }
     tz_array_free(n->ctx, &turn);
     return s;
+}
+
+void tz_finish_limits_deinit(tz_ctx *ctx, tz_finish_limits *l)
+{
+    tz_free(ctx, l->gap);
+    l->gap = NULL;
 }
 
 tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
@@ -296,6 +303,7 @@ typedef struct finishing {
     tz_curve_set now; /* the set as a net */
     tz_curve_finish_report report;
     bool changed;
+    bool left; /* there were still too many ends as the last round began */
 } finishing;
 
 /* What has been added may touch something. Takes the set. */
@@ -311,11 +319,28 @@ static tz_status rejoin(tz_curve_set *out, double delta, tz_curve_set *now)
 /* How many ends there may be: of a pattern of ends a few more are chance. */
 static double most_ends(const tz_finish_limits *l, double length)
 {
-    return floor(l->ends * length * (isinf(l->cost) ? 1 : CHANCE) + 0.5);
+    return floor(l->ends * length * (!l->gap ? 1 : CHANCE) + 0.5);
+}
+
+/* What a round does. */
+typedef enum stage { MEND, PAIR, RETRACT, DROP } stage;
+
+static tz_status do_stage(finishing *f, stage what, double by, tz_net_edit *e)
+{
+    const double most = most_ends(&f->limit, e->net->length);
+    tz_status s = TZ_OK;
+    switch (what) {
+    case MEND:
+        s = tz_finish_clean(e, &f->limit);
+        return s == TZ_OK ? tz_finish_ends(e, &f->limit, most) : s;
+    case PAIR: return tz_finish_pairs(e, &f->limit, by, most);
+    case RETRACT: return tz_finish_retract(e, &f->limit, by, most);
+    default: return tz_finish_drop(e, &f->limit, by, most);
+    }
 }
 
 /* One round; `again` where something has been done. */
-static tz_status finish_round(finishing *f, bool first, bool *again)
+static tz_status finish_round(finishing *f, stage what, double by, bool *again)
 {
     tz_net n = {.ctx = f->ctx};
     tz_net_edit e = {.net = &n};
@@ -327,12 +352,11 @@ static tz_status finish_round(finishing *f, bool first, bool *again)
         s = tz_net_edit_init(&n, &e);
     if (s == TZ_OK) {
         f->report.ends[1] = tz_net_ends(&n, f->limit.margin);
-        if (first)
+        if (f->report.ends[0] < 0)
             f->report.ends[0] = f->report.ends[1];
-        s = tz_finish_clean(&e, &f->limit);
+        s = do_stage(f, what, by, &e);
+        f->left = f->report.ends[1] > most_ends(&f->limit, n.length);
     }
-    if (s == TZ_OK)
-        s = tz_finish_ends(&e, &f->limit, most_ends(&f->limit, n.length));
     if (s == TZ_OK)
         s = tz_net_edit_apply(&e, &out);
     if (s == TZ_OK) {
@@ -350,13 +374,72 @@ static tz_status finish_round(finishing *f, bool first, bool *again)
     return s;
 }
 
+/* Gaps and stubs, until there are none. */
+static tz_status mend(finishing *f)
+{
+    const double reach = f->limit.reach, branch = f->limit.branch;
+    bool again = true;
+    tz_status s = TZ_OK;
+    for (int k = 0; k < ROUNDS && s == TZ_OK && again; k++) {
+        s = finish_round(f, MEND, 0, &again);
+        /* where no end is right, the last of them are worth a longer way */
+        if (!again && !f->limit.gap && k + 1 < ROUNDS && f->limit.reach < 3 * reach &&
+            f->left) {
+            f->limit.reach *= GROWTH;
+            f->limit.branch = fmin(f->limit.branch * GROWTH, 2 * branch);
+            again = true;
+        }
+    }
+    return s;
+}
+
+/* Ends that are left where hardly any are right: paired at ever longer ways, then cut back
+ * and paired, then away with their lines. */
+static tz_status end_all(finishing *f)
+{
+    static const struct {
+        stage what;
+        double by;   /* of delta, or a share */
+        bool curved; /* not for drawings of straight lines */
+    } plan[] = {
+        {PAIR, 1.5, true},    {PAIR, 3, true},      {RETRACT, 0.3, true},
+        {PAIR, 2, true},      {RETRACT, 0.5, true}, {PAIR, 3, true},
+        {RETRACT, 0.8, true}, {PAIR, 4, true},      {RETRACT, 1.2, true},
+        {PAIR, 6, true},      {DROP, 0.01, false},  {DROP, 0.01, false},
+        {PAIR, 10, true},     {DROP, 0.01, false},
+    };
+    tz_status s = TZ_OK;
+    for (size_t k = 0; k < sizeof plan / sizeof *plan && s == TZ_OK && f->left; k++) {
+        bool again = false;
+        if (plan[k].curved && f->limit.straight)
+            continue;
+        s = finish_round(f, plan[k].what,
+                         plan[k].by * (plan[k].what == DROP ? 1 : f->limit.delta),
+                         &again);
+    }
+    return s;
+}
+
+static tz_status count_ends(finishing *f)
+{
+    tz_net n = {.ctx = f->ctx};
+    const tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta,
+                                    f->limit.margin, &n);
+    if (s == TZ_OK) {
+        f->report.ends[1] = tz_net_ends(&n, f->limit.margin);
+        f->now = n.set;
+        n.set = (tz_curve_set){0};
+    }
+    tz_net_deinit(&n);
+    return s;
+}
+
 tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
                           const tz_curve_set *given, tz_curve_set *set,
                           tz_curve_finish_report *report)
 {
     finishing f = {.ctx = ctx, .pens = set->pen.n};
     tz_curve_set all = {.ctx = ctx};
-    bool again = true;
     if (report)
         memset(report, 0, sizeof *report);
     if (set->path.n == 0 || exemplar->path.n == 0)
@@ -368,21 +451,18 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
     if (s == TZ_OK)
         s = tz_curve_join(ctx, &all, &join, &f.now);
     f.now.ctx = ctx;
-    const double reach = f.limit.reach, branch = f.limit.branch;
-    for (int k = 0; k < ROUNDS && s == TZ_OK && again; k++) {
-        s = finish_round(&f, k == 0, &again);
-        /* where no end is right, the last of them are worth a longer way */
-        if (!again && isinf(f.limit.cost) && k + 1 < ROUNDS &&
-            f.limit.reach < 3 * reach && f.report.ends[1] > 0) {
-            f.limit.reach *= GROWTH;
-            f.limit.branch = fmin(f.limit.branch * GROWTH, 2 * branch);
-            again = true;
-        }
-    }
+    f.report.ends[0] = -1;
+    if (s == TZ_OK)
+        s = mend(&f);
+    if (s == TZ_OK && f.left && !f.limit.gap)
+        s = end_all(&f);
+    if (s == TZ_OK && f.changed)
+        s = count_ends(&f);
     if (s == TZ_OK && f.changed)
         s = take_over(&f.now, set);
     if (s == TZ_OK && report)
         *report = f.report;
+    tz_finish_limits_deinit(ctx, &f.limit);
     tz_curve_set_deinit(&all);
     tz_curve_set_deinit(&f.now);
     return s;

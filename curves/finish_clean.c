@@ -28,6 +28,7 @@ void tz_net_edit_deinit(tz_net_edit *e)
     tz_ctx *ctx = e->net->ctx;
     tz_free(ctx, e->gone);
     tz_free(ctx, e->used);
+    tz_free(ctx, e->kept);
     tz_free(ctx, e->merged);
     tz_array_free(ctx, &e->cut);
     tz_array_free(ctx, &e->node);
@@ -68,6 +69,12 @@ static tz_status add_piece(const tz_net_edit *e, tz_curve_set *to, int32_t piece
     double t[2] = {0, 0};
     int32_t node[2] = {e->merged[p->from], 0};
     tz_status s = TZ_OK;
+    if (e->kept && (e->kept[piece].t[0] > 0 || e->kept[piece].t[1] < 1)) {
+        const tz_net_kept *k = &e->kept[piece];
+        for (int i = 0; i < 2; i++)
+            node[i] = k->node[i] >= 0 ? k->node[i] : e->merged[i ? p->to : p->from];
+        return add_part(e, to, piece, k->t, node);
+    }
     for (; *at < e->cut.n && e->cut.v[*at].piece == piece && s == TZ_OK; (*at)++) {
         t[1] = e->cut.v[*at].t;
         node[1] = e->cut.v[*at].node;
@@ -93,8 +100,20 @@ static tz_status add_paths(tz_net_edit *e, tz_curve_set *to)
         bool all = true;
         s = tz_curve_begin(to, p->pen);
         for (int32_t k = p->piece; k < p->piece + p->pieces && s == TZ_OK; k++) {
+            const bool begins_cut = e->kept && e->kept[k].t[0] > 0,
+                       ends_cut = e->kept && e->kept[k].t[1] < 1;
             if (!e->gone[k]) {
-                s = add_piece(e, to, k, &at);
+                if (begins_cut) {
+                    tz_curve_end(to, false);
+                    s = tz_curve_begin(to, p->pen);
+                }
+                if (s == TZ_OK)
+                    s = add_piece(e, to, k, &at);
+                if (s == TZ_OK && ends_cut) {
+                    tz_curve_end(to, false);
+                    s = tz_curve_begin(to, p->pen);
+                }
+                all = all && !begins_cut && !ends_cut;
                 continue;
             }
             while (at < e->cut.n && e->cut.v[at].piece == k)
@@ -128,6 +147,12 @@ static tz_status add_bridges(tz_net_edit *e, tz_curve_set *to)
             tz_curve_end(to, false);
     }
     return s;
+}
+
+tz_status tz_net_edit_node(tz_net_edit *e, tz_vec2 at, int32_t *node)
+{
+    *node = e->net->set.node.n + e->node.n;
+    return tz_array_push(e->net->ctx, &e->node, at);
 }
 
 tz_status tz_net_edit_apply(tz_net_edit *e, tz_curve_set *out)

@@ -17,6 +17,7 @@
 #define AHEAD   0.5  /* cosine of the angle with the end's direction, at least */
 #define STEEP   0.3  /* sine of the angle that a line ahead is met at, at least */
 #define TOUCH   0.08 /* of delta: nearer than this, direction does not matter */
+#define CHANCE  1    /* standard deviations */
 #define AT_NODE 0.12 /* of delta: a line that is hit so near to its node is hit there */
 
 typedef enum way { JOIN, HIT, BORDER, STUB } way;
@@ -42,8 +43,6 @@ static int by_cost(const void *a, const void *b)
         return p->node < q->node ? -1 : 1;
     return (p->other > q->other) - (p->other < q->other);
 }
-
-static int32_t end_at(const tz_net *n, int32_t node) { return n->end[n->first[node]]; }
 
 static double cross(tz_vec2 u, tz_vec2 v) { return u.x * v.y - u.y * v.x; }
 
@@ -76,33 +75,39 @@ static bool crosses(tz_vec2 p, tz_vec2 q, tz_vec2 r, tz_vec2 s)
     return u >= 0 && u <= 1 && v >= 0 && v <= 1;
 }
 
-/* Whether a bridge crosses a line, but for the pieces that it joins. */
-static bool blocked(const tz_net *n, const tz_bezier *c, int32_t a, int32_t b)
+/* Whether the chord p q crosses a line, but for piece `but`. */
+static bool chord_blocked(const tz_net *n, tz_vec2 p, tz_vec2 q, int32_t but)
 {
-    enum { MOST = 1024, STEPS = 6 };
+    enum { MOST = 512 };
     int32_t id[MOST];
-    tz_vec2 v[STEPS + 1];
-    const tz_vec2 mid = tz_bezier_at(c, 0.5);
-    double r = 0;
-    for (int k = 0; k <= STEPS; k++) {
-        v[k] = tz_bezier_at(c, (double)k / STEPS);
-        r = fmax(r, tz_vec2_length(tz_vec2_sub(v[k], mid)));
-    }
+    const tz_vec2 mid = tz_vec2_scale(tz_vec2_add(p, q), 0.5);
+    const double r = tz_vec2_length(tz_vec2_sub(q, p)) / 2 + n->spacing;
     const tz_vec3 in = tz_domain_wrap(&n->set.domain, (tz_vec3){mid.x, mid.y, 0});
-    const int32_t found =
-        tz_grid_query(&n->grid, (tz_vec2){in.x, in.y}, r + n->spacing, id, MOST);
+    const int32_t found = tz_grid_query(&n->grid, (tz_vec2){in.x, in.y}, r, id, MOST);
     for (int32_t i = 0; i < found && i < MOST; i++) {
         const int32_t k = id[i], piece = n->point.v[k].piece;
-        if (piece == a || piece == b || k + 1 >= n->at[piece + 1])
+        if (piece == but || k + 1 >= n->at[piece + 1])
             continue;
-        const tz_vec2 p = tz_curve_copy(&n->set.domain, n->point.v[k].at, mid),
-                      q = tz_vec2_add(
-                          p, tz_vec2_sub(n->point.v[k + 1].at, n->point.v[k].at));
-        for (int j = 0; j < STEPS; j++)
-            if (crosses(v[j], v[j + 1], p, q))
-                return true;
+        const tz_vec2 from = tz_curve_copy(&n->set.domain, n->point.v[k].at, mid),
+                      to = tz_vec2_add(
+                          from, tz_vec2_sub(n->point.v[k + 1].at, n->point.v[k].at));
+        if (crosses(p, q, from, to))
+            return true;
     }
     return found > MOST;
+}
+
+bool tz_net_blocked(const tz_net *n, const tz_bezier *c, int32_t a, int32_t b)
+{
+    enum { STEPS = 8 };
+    tz_vec2 p = c->p[0];
+    for (int k = 1; k <= STEPS; k++) {
+        const tz_vec2 q = tz_bezier_at(c, (double)k / STEPS);
+        if (chord_blocked(n, p, q, k == 1 ? a : k == STEPS ? b : -1))
+            return true;
+        p = q;
+    }
+    return false;
 }
 
 /* Where straight lines from two ends meet ahead of both; false if they do not. q is near
@@ -126,7 +131,7 @@ static bool corner(tz_vec2 p, tz_vec2 u, tz_vec2 q, tz_vec2 w, double reach, tz_
  * them would only make a small loop. */
 static bool own_line(const tz_net *n, int32_t node, const tz_net_point *q, double d)
 {
-    const int32_t edge = n->edge_of[end_at(n, node) >> 1];
+    const int32_t edge = n->edge_of[tz_net_end_at(n, node) >> 1];
     const tz_net_edge *e = &n->edge.v[edge];
     if (n->edge_of[q->piece] != edge)
         return false;
@@ -171,7 +176,7 @@ static tz_status add_joins(const tz_net *n, int32_t node, const tz_finish_limits
         return TZ_OK;
     else if (acos(fmin(a, 1)) + acos(fmin(b, 1)) > 2 * l->bend * d + 0.2)
         return TZ_OK; /* no line turns so fast */
-    const double pens = n->pen[end_at(n, node) >> 1] == n->pen[piece] ? 1 : OTHER;
+    const double pens = n->pen[tz_net_end_at(n, node) >> 1] == n->pen[piece] ? 1 : OTHER;
     return tz_array_push(n->ctx, out,
                          ((choice){.cost = pens * way / l->reach * bent(a) * bent(b),
                                    .way = JOIN,
@@ -238,7 +243,7 @@ static tz_status look_about(const tz_net *n, int32_t node, const tz_finish_limit
     for (int32_t i = 0; i < found && i < MOST && s == TZ_OK; i++) {
         const tz_net_point *q = &n->point.v[id[i]];
         tz_net_point hit;
-        if (q->piece == end_at(n, node) >> 1 &&
+        if (q->piece == tz_net_end_at(n, node) >> 1 &&
             n->edge.v[n->edge_of[q->piece]].steps < 2 && q->along < 3 * n->spacing)
             continue;
         s = add_joins(n, node, l, q, out);
@@ -259,7 +264,7 @@ static tz_status look_about(const tz_net *n, int32_t node, const tz_finish_limit
 static tz_status add_stub(const tz_net *n, int32_t node, const tz_finish_limits *l,
                           choices *out)
 {
-    const int32_t edge = n->edge_of[end_at(n, node) >> 1];
+    const int32_t edge = n->edge_of[tz_net_end_at(n, node) >> 1];
     const tz_net_edge *e = &n->edge.v[edge];
     const int32_t far = e->from == node ? e->to : e->from;
     if (tz_net_degree(n, far) < 3 || !(e->length < l->branch || e->length < l->least))
@@ -274,9 +279,9 @@ static tz_status add_stub(const tz_net *n, int32_t node, const tz_finish_limits 
 
 /* ---- doing it ------------------------------------------------------------------------ */
 
-static double width_at(const tz_net *n, int32_t node)
+double tz_net_width_at(const tz_net *n, int32_t node)
 {
-    const int32_t end = end_at(n, node);
+    const int32_t end = tz_net_end_at(n, node);
     if (n->set.taper.n == 0)
         return n->set.pen.v[n->pen[end >> 1]].width;
     const tz_curve_taper *t = &n->set.taper.v[end >> 1];
@@ -290,16 +295,10 @@ static tz_status add_bridge(tz_net_edit *e, const choice *c, tz_vec2 to, tz_vec2
     const tz_vec2 p = n->set.node.v[c->node];
     const tz_net_bridge b = {.node = {c->node, node},
                              .curve = bridge(p, tz_net_outwards(n, c->node), to, v),
-                             .taper = {width_at(n, c->node), width},
-                             .pen = n->pen[end_at(n, c->node) >> 1]};
+                             .taper = {tz_net_width_at(n, c->node), width},
+                             .pen = n->pen[tz_net_end_at(n, c->node) >> 1]};
     e->closed++;
     return tz_array_push(n->ctx, &e->bridge, b);
-}
-
-static tz_status new_node(tz_net_edit *e, tz_vec2 at, int32_t *node)
-{
-    *node = e->net->set.node.n + e->node.n;
-    return tz_array_push(e->net->ctx, &e->node, at);
 }
 
 /* The piece that is hit is cut, or met at its node. */
@@ -322,18 +321,19 @@ static tz_status hit_line(tz_net_edit *e, const choice *c, const tz_finish_limit
         return TZ_OK;
     at = tz_curve_copy(&n->set.domain, at, from);
     const tz_bezier way = bridge(from, tz_net_outwards(n, c->node), at, (tz_vec2){0, 0});
-    if (blocked(n, &way, end_at(n, c->node) >> 1, c->hit.piece))
+    if (tz_net_blocked(n, &way, tz_net_end_at(n, c->node) >> 1, c->hit.piece))
         return TZ_OK;
     if (node < 0) {
         e->used[c->hit.piece] = true;
-        s = new_node(e, at, &node);
+        s = tz_net_edit_node(e, at, &node);
         if (s == TZ_OK)
             s = tz_array_push(n->ctx, &e->cut,
                               ((tz_curve_cut){c->hit.piece, node, c->hit.t}));
     }
     *done = s == TZ_OK;
-    return s == TZ_OK ? add_bridge(e, c, at, (tz_vec2){0, 0}, node, width_at(n, c->node))
-                      : s;
+    return s == TZ_OK
+               ? add_bridge(e, c, at, (tz_vec2){0, 0}, node, tz_net_width_at(n, c->node))
+               : s;
 }
 
 /* Two straight lines that meet. */
@@ -343,13 +343,13 @@ static tz_status join_corner(tz_net_edit *e, const choice *c, tz_vec2 at, bool *
     const tz_vec2 from = n->set.node.v[c->node],
                   to = tz_curve_copy(&n->set.domain, n->set.node.v[c->other], from);
     const tz_bezier a = tz_bezier_line(from, at), b = tz_bezier_line(to, at);
-    const int32_t p = end_at(n, c->node) >> 1, q = end_at(n, c->other) >> 1;
+    const int32_t p = tz_net_end_at(n, c->node) >> 1, q = tz_net_end_at(n, c->other) >> 1;
     int32_t node;
-    *done = !blocked(n, &a, p, q) && !blocked(n, &b, p, q);
+    *done = !tz_net_blocked(n, &a, p, q) && !tz_net_blocked(n, &b, p, q);
     if (!*done)
         return TZ_OK;
-    tz_status s = new_node(e, at, &node);
-    const double w = (width_at(n, c->node) + width_at(n, c->other)) / 2;
+    tz_status s = tz_net_edit_node(e, at, &node);
+    const double w = (tz_net_width_at(n, c->node) + tz_net_width_at(n, c->other)) / 2;
     choice other = *c;
     other.node = c->other;
     if (s == TZ_OK)
@@ -376,8 +376,10 @@ static tz_status join_ends(tz_net_edit *e, const choice *c, const tz_finish_limi
         corner(from, u, at, tz_vec2_scale(v, -1), l->reach, &meet))
         return join_corner(e, c, meet, done);
     const tz_bezier way = bridge(from, tz_net_outwards(n, c->node), at, v);
-    *done = !blocked(n, &way, end_at(n, c->node) >> 1, end_at(n, c->other) >> 1);
-    return *done ? add_bridge(e, c, at, v, c->other, width_at(n, c->other)) : TZ_OK;
+    *done = !tz_net_blocked(n, &way, tz_net_end_at(n, c->node) >> 1,
+                            tz_net_end_at(n, c->other) >> 1);
+    return *done ? add_bridge(e, c, at, v, c->other, tz_net_width_at(n, c->other))
+                 : TZ_OK;
 }
 
 static tz_status reach_border(tz_net_edit *e, const choice *c, bool *done)
@@ -386,13 +388,13 @@ static tz_status reach_border(tz_net_edit *e, const choice *c, bool *done)
     int32_t node;
     const tz_bezier way = bridge(n->set.node.v[c->node], tz_net_outwards(n, c->node),
                                  c->hit.at, (tz_vec2){0, 0});
-    *done = !blocked(n, &way, end_at(n, c->node) >> 1, -1);
+    *done = !tz_net_blocked(n, &way, tz_net_end_at(n, c->node) >> 1, -1);
     if (!*done)
         return TZ_OK;
-    const tz_status s = new_node(e, c->hit.at, &node);
-    return s == TZ_OK
-               ? add_bridge(e, c, c->hit.at, (tz_vec2){0, 0}, node, width_at(n, c->node))
-               : s;
+    const tz_status s = tz_net_edit_node(e, c->hit.at, &node);
+    return s == TZ_OK ? add_bridge(e, c, c->hit.at, (tz_vec2){0, 0}, node,
+                                   tz_net_width_at(n, c->node))
+                      : s;
 }
 
 /* A stub whose other end would be left a bad one stays: one at a junction a round. */
@@ -417,12 +419,12 @@ static tz_status do_choice(tz_net_edit *e, const choice *c, const tz_finish_limi
 {
     bool done = false;
     tz_status s = TZ_OK;
-    const int32_t edge = e->net->edge_of[end_at(e->net, c->node) >> 1];
+    const int32_t edge = e->net->edge_of[tz_net_end_at(e->net, c->node) >> 1];
     if (busy[c->node] || (c->way == JOIN && busy[c->other]) ||
         e->gone[e->net->step.v[e->net->edge.v[edge].step] >> 1] ||
         e->merged[c->node] != c->node)
         return TZ_OK;
-    if (c->way == JOIN && e->gone[end_at(e->net, c->other) >> 1])
+    if (c->way == JOIN && e->gone[tz_net_end_at(e->net, c->other) >> 1])
         return TZ_OK;
     switch (c->way) {
     case JOIN: s = join_ends(e, c, l, &done); break;
@@ -440,15 +442,95 @@ static tz_status do_choice(tz_net_edit *e, const choice *c, const tz_finish_limi
     return TZ_OK;
 }
 
+/* ---- how many --------------------------------------------------------------------------- */
+
+/* Gaps that cost no more than `cost` may be closed as far as there are more of them than the
+ * exemplar has in such a length; of a few more no one can tell whether they are chance. */
+typedef struct allowance {
+    double *cost,
+        *most; /* of the net's ends, in order, and how many may go up to there */
+    int32_t n;
+} allowance;
+
+static int up(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void allowance_deinit(tz_ctx *ctx, allowance *a)
+{
+    tz_free(ctx, a->cost);
+    tz_free(ctx, a->most);
+}
+
+/* From the least cost at each end of the list. */
+static tz_status allowance_init(const tz_net *n, const tz_finish_limits *l,
+                                const choices *list, allowance *a)
+{
+    double *least = NULL;
+    *a = (allowance){0};
+    if (!l->gap)
+        return TZ_OK;
+    tz_status s = tz_alloc(n->ctx, &least, (size_t)n->set.node.n, sizeof *least);
+    for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++)
+        least[i] = INFINITY;
+    for (int32_t i = 0; i < list->n && s == TZ_OK; i++) {
+        const choice *c = &list->v[i];
+        least[c->node] = fmin(least[c->node], c->cost);
+        if (c->way == JOIN)
+            least[c->other] = fmin(least[c->other], c->cost);
+    }
+    if (s == TZ_OK)
+        s = tz_alloc(n->ctx, &a->cost, (size_t)n->set.node.n, sizeof *a->cost);
+    if (s == TZ_OK)
+        s = tz_alloc(n->ctx, &a->most, (size_t)n->set.node.n, sizeof *a->most);
+    for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++)
+        if (least[i] < INFINITY)
+            a->cost[a->n++] = least[i];
+    tz_free(n->ctx, least);
+    if (s != TZ_OK) {
+        allowance_deinit(n->ctx, a);
+        *a = (allowance){0};
+        return s;
+    }
+    if (a->n > 1)
+        qsort(a->cost, (size_t)a->n, sizeof *a->cost, up);
+    const double times = n->length / l->length;
+    double most = 0;
+    for (int32_t i = 0, k = 0; i < a->n; i++) {
+        while (k < l->gaps && l->gap[k] <= a->cost[i])
+            k++;
+        most = fmax(most, i + 1 - times * k - CHANCE * sqrt(times * times * k));
+        a->most[i] = most;
+    }
+    return TZ_OK;
+}
+
+static double allowed(const allowance *a, double cost)
+{
+    int32_t lo = 0, hi = a->n; /* how many cost no more */
+    while (lo < hi) {
+        const int32_t mid = lo + (hi - lo) / 2;
+        if (a->cost[mid] <= cost)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo > 0 ? a->most[lo - 1] : 0;
+}
+
 tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most)
 {
     const tz_net *n = e->net;
     choices list = {0};
+    allowance may = {0};
     bool *busy = NULL;
-    double over = tz_net_ends(n, l->margin) - most;
+    const double before = tz_net_ends(n, l->margin);
+    double over = before - most;
     tz_status s = tz_alloc_zero(n->ctx, &busy, (size_t)n->set.node.n, sizeof *busy);
     for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++) {
-        if (!tz_net_dangles(n, i, l->margin) || e->gone[end_at(n, i) >> 1])
+        if (!tz_net_dangles(n, i, l->margin) || e->gone[tz_net_end_at(n, i) >> 1])
             continue;
         s = add_stub(n, i, l, &list);
         if (s == TZ_OK && over > 0)
@@ -458,10 +540,19 @@ tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most)
     }
     if (s == TZ_OK && list.n > 1)
         qsort(list.v, (size_t)list.n, sizeof *list.v, by_cost);
-    for (int32_t i = 0; i < list.n && s == TZ_OK; i++)
-        if (list.v[i].cost < 0 || (over > 0 && list.v[i].cost < l->cost))
-            s = do_choice(e, &list.v[i], l, busy, &over);
+    if (s == TZ_OK)
+        s = allowance_init(n, l, &list, &may);
+    double closed = 0;
+    for (int32_t i = 0; i < list.n && s == TZ_OK; i++) {
+        const choice *c = &list.v[i];
+        const double left = over;
+        if (c->cost >= 0 && (over <= 0 || (l->gap && closed >= allowed(&may, c->cost))))
+            continue;
+        s = do_choice(e, c, l, busy, &over);
+        closed += left - over;
+    }
     tz_array_free(n->ctx, &list);
+    allowance_deinit(n->ctx, &may);
     tz_free(n->ctx, busy);
     return s;
 }
@@ -477,6 +568,8 @@ tz_status tz_finish_end_costs(const tz_net *n, const tz_finish_limits *l,
             continue;
         list.n = 0;
         s = look_about(n, i, l, &list);
+        if (s == TZ_OK)
+            s = add_stub(n, i, l, &list);
         for (int32_t k = 0; k < list.n; k++)
             best = fmin(best, list.v[k].cost);
         if (s == TZ_OK)

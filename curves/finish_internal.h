@@ -89,9 +89,12 @@ typedef struct tz_finish_limits {
     bool straight;   /**< most lines are straight: gaps are closed by straight ones */
     double bend;     /**< rad a unit of length: lines hardly turn faster */
     double reach;    /**< that gaps are closed over */
-    double cost;     /**< what would close all but few of the exemplar's own gaps; those
-                          that cost more are right as they are */
+    double *gap;     /**< what would close the exemplar's own gaps, one an end, in order;
+                          NULL: it has too few ends to tell */
+    int32_t gaps;
+    double length; /**< of the exemplar, user units */
 } tz_finish_limits;
+void tz_finish_limits_deinit(tz_ctx *ctx, tz_finish_limits *l); /**< takes zeroed */
 
 tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
                             tz_finish_limits *out);
@@ -113,12 +116,19 @@ typedef struct tz_net_bridge {
     int32_t pen;
 } tz_net_bridge;
 
+/** What is kept of a piece. */
+typedef struct tz_net_kept {
+    double t[2];
+    int32_t node[2]; /**< of the ends that are cut off: new ones */
+} tz_net_kept;
+
 /** What is to become of a net: pieces that go, new ones, cuts and nodes that move. */
 typedef struct tz_net_edit {
     tz_net *net;
-    bool *gone;      /**< per piece */
-    bool *used;      /**< per piece: cut once */
-    int32_t *merged; /**< per node: the node that it falls together with, or itself */
+    bool *gone;        /**< per piece */
+    bool *used;        /**< per piece: cut once */
+    tz_net_kept *kept; /**< NULL, or per piece; these are not cut */
+    int32_t *merged;   /**< per node: the node that it falls together with, or itself */
     TZ_ARRAY(tz_curve_cut)
     cut; /**< nodes of cuts are new, or those of the set */
     TZ_ARRAY(tz_vec2)
@@ -146,5 +156,32 @@ tz_status tz_finish_end_costs(const tz_net *n, const tz_finish_limits *l,
 /** Ends: gaps closed and stubs removed, the worst first, until there are no more than
  * `most`. */
 tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most);
+
+/** Ends that are left, where hardly any are right: pairs of them within `reach`, by smooth
+ * curves that cross nothing; as many pairs as there are, the shortest first. */
+tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reach,
+                          double most);
+/** The last `way` of lines that end goes, so that there is room to pair them. */
+tz_status tz_finish_retract(tz_net_edit *e, const tz_finish_limits *l, double way,
+                            double most);
+/** Lines that end go up to the next junction, the shortest first, until that is `share` of
+ * all length. */
+tz_status tz_finish_drop(tz_net_edit *e, const tz_finish_limits *l, double share,
+                         double most);
+
+/* ---- shared by what closes gaps ------------------------------------------------------- */
+
+/** Whether a bridge crosses a line, but for pieces a and b, which it may only touch where
+ * it begins and ends. */
+bool tz_net_blocked(const tz_net *n, const tz_bezier *c, int32_t a, int32_t b);
+/** Width of the line at its end. */
+double tz_net_width_at(const tz_net *n, int32_t node);
+/** The end of a piece that node is. */
+static inline int32_t tz_net_end_at(const tz_net *n, int32_t node)
+{
+    return n->end[n->first[node]];
+}
+/** A node more. */
+tz_status tz_net_edit_node(tz_net_edit *e, tz_vec2 at, int32_t *node);
 
 #endif
