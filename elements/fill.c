@@ -51,6 +51,7 @@ void tz_fill_end(tz_fill *f)
     tz_array_free(ctx, &f->live_node);
     tz_array_free(ctx, &f->link);
     tz_power_free(f->power);
+    tz_fill_guide_deinit(f);
     void *const all[] = {f->at,        f->radius,   f->c,          f->rho,
                          f->o,         f->owner,    f->node,       f->weight,
                          f->third,     f->target,   f->target_c,   f->target_rho,
@@ -135,6 +136,8 @@ tz_status tz_fill_begin(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *lay
     f->stale = true;
     what_is_said(f);
     s = tz_power_new(ctx, &f->domain, &f->power);
+    if (s == TZ_OK)
+        s = tz_fill_guide_init(f);
     if (s == TZ_OK)
         s = tz_fill_models(f);
     if (s == TZ_OK) {

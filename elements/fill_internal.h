@@ -16,6 +16,7 @@
  *   fill_solve.c     conjugate gradients over nodes
  *   fill_terms.c     neighbours, Eq. (5) to (12): scale, density and orientation step
  *   fill_place.c     Eq. (1) to (4): distribution and graph step
+ *   fill_guide.c     sizes between strokes, before there are things
  *   fill_start.c     initialisation, insertion, teleportation
  *   fill_repair.c    true outlines     fill_edit.c    brushes, local work
  *   fill_measure.c   figures of a layout
@@ -100,6 +101,13 @@ typedef struct tz_fill_link {
     double wc, wr; /**< continuity, times how often; rigidity */
 } tz_fill_link;
 
+/** Sizes and densities between strokes, on a coarse grid; NULL = nothing is said. */
+typedef struct tz_fill_guide {
+    int32_t width, height;
+    double *size, *rho;
+    double least; /**< of size * (1 + rho) */
+} tz_fill_guide;
+
 struct tz_fill {
     tz_ctx *ctx;
     int dim, columns, m; /**< 2, 1, 2 in the plane; 3, 3, 9 in space */
@@ -125,6 +133,7 @@ struct tz_fill {
     int32_t *owner, *node;
     double unit; /**< mean radius of discs: lengths in energies */
     bool any_density, any_size, any_direction;
+    tz_fill_guide guide;
     tz_power *power;
     bool fresh; /**< the diagram is that of the places */
     double *weight;
@@ -216,9 +225,11 @@ tz_status tz_fill_start_bodies(tz_fill *f, int32_t count);
 /** A body of the mix (or of one entry) at a place, as the field says. */
 tz_status tz_fill_new_body(tz_fill *f, int32_t entry, tz_vec3 at, int32_t *out);
 tz_status tz_fill_teleport(tz_fill *f, double share);
-/** Empty places, largest first: local maxima of the diagram's corners. */
+/** The hardest pressed leave. */
+tz_status tz_fill_relieve(tz_fill *f, int32_t count);
+/** Empty places, largest against what lies there first: local maxima of the diagram's corners. */
 typedef struct tz_fill_gap {
-    double radius;
+    double radius, size; /**< size: radius against the things about it */
     tz_vec3 at;
     int32_t sample;
 } tz_fill_gap;
@@ -226,6 +237,11 @@ tz_status tz_fill_gaps(tz_fill *f, double least, int32_t most, tz_fill_gap **out
                        int32_t *n);
 /** What the field says of directions at the nearest place where it speaks. */
 double tz_fill_angle(const tz_fill *f, tz_vec3 at, bool *said);
+
+/* fill_guide.c */
+tz_status tz_fill_guide_init(tz_fill *f);
+void tz_fill_guide_deinit(tz_fill *f);
+/** Size and 1 - density, as said there or harmonic between. */
 double tz_fill_size(const tz_fill *f, tz_vec3 at);
 double tz_fill_rho(const tz_fill *f, tz_vec3 at);
 

@@ -32,18 +32,6 @@ double tz_fill_angle(const tz_fill *f, tz_vec3 at, bool *said)
     return c ? atan2((double)c->y, (double)c->x) : 0;
 }
 
-double tz_fill_size(const tz_fill *f, tz_vec3 at)
-{
-    const tz_element_field_cell *c = nearest(f, at, 1);
-    return c ? (double)c->size : 1;
-}
-
-double tz_fill_rho(const tz_fill *f, tz_vec3 at)
-{
-    const tz_element_field_cell *c = nearest(f, at, 2);
-    return c ? 1 - (double)c->density : 0;
-}
-
 /* ---- counts ------------------------------------------------------------------------- */
 
 /* Mean area of the mix: of each entry that of its sizes, even in their logarithm. */
@@ -158,16 +146,27 @@ static tz_status inside_cells(tz_fill *f, int32_t **cells, int32_t *n)
     return s;
 }
 
+/* Denser where things are small or lie densely. */
 static tz_vec3 random_place(const tz_fill *f, const int32_t *cells, int32_t n, int32_t id)
 {
+    enum { TRIES = 256 };
     tz_rng g = tz_rng_make(f->seed, tz_rng_stream(STREAM_PLACE, (uint64_t)id, 0));
-    const double x = tz_rng_unit(&g), y = tz_rng_unit(&g);
-    if (!cells || n == 0)
-        return (tz_vec3){x * f->domain.size.x, y * f->domain.size.y, 0};
-    const tz_raster *r = &f->domain.region->raster;
-    const int32_t i = cells[tz_rng_below(&g, n)];
-    return (tz_vec3){(i % r->width + x) * r->size.x / r->width,
-                     (i / r->width + y) * r->size.y / r->height, 0};
+    tz_vec3 at = {0, 0, 0};
+    for (int k = 0; k < TRIES; k++) {
+        const double x = tz_rng_unit(&g), y = tz_rng_unit(&g);
+        at = (tz_vec3){x * f->domain.size.x, y * f->domain.size.y, 0};
+        if (cells && n > 0) {
+            const tz_raster *r = &f->domain.region->raster;
+            const int32_t i = cells[tz_rng_below(&g, n)];
+            at = (tz_vec3){(i % r->width + x) * r->size.x / r->width,
+                           (i / r->width + y) * r->size.y / r->height, 0};
+        }
+        const double wide =
+            tz_fill_size(f, at) * (1 + tz_fill_rho(f, at)) / f->guide.least;
+        if (wide <= 1 || tz_rng_unit(&g) * wide * wide < 1)
+            break;
+    }
+    return at;
 }
 
 static int by_area(const void *a, const void *b)
@@ -176,18 +175,65 @@ static int by_area(const void *a, const void *b)
     return (p->area < q->area) - (p->area > q->area);
 }
 
-/* Stays stable: equal areas keep the order they were drawn in, as ids are in it. */
+/* By octaves of radius, largest first; within one in the order they were drawn in, so that
+ * things of nearly one size are mixed everywhere. */
 static tz_status draw_all(tz_fill *f, int32_t count, draw **out)
 {
     draw *d = NULL;
+    double most = 0;
     tz_status s = tz_alloc(f->ctx, &d, (size_t)count, sizeof *d);
     for (int32_t i = 0; i < count && s == TZ_OK; i++) {
         d[i] = draw_one(f, -1, i);
-        d[i].area *= 1 - 1e-12 * i;
+        most = fmax(most, d[i].area);
     }
+    for (int32_t i = 0; i < count && s == TZ_OK; i++)
+        d[i].area = floor(log2(d[i].area / most) / 2) - 1e-7 * i;
     if (s == TZ_OK && f->par.start == TZ_FILL_INSERT)
         qsort(d, (size_t)count, sizeof *d, by_area);
     *out = d;
+    return s;
+}
+
+/* Area that all bodies take up, with the room about them that the density asks for, over
+ * what they are to take up. */
+static double fullness(const tz_fill *f)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < f->body.n; i++) {
+        const tz_fill_body *b = &f->body.v[i];
+        const double c = b->size * tz_fill_scale(f, b->first) * (1 + f->rho[b->first]);
+        sum += b->gone ? 0 : f->model.v[b->model].area * c * c;
+    }
+    return sum / (f->par.fill * tz_domain_area(&f->domain));
+}
+
+/* Sizes between strokes are known only now: a few more, or the hardest pressed leave. */
+static tz_status correct_count(tz_fill *f)
+{
+    tz_status s = TZ_OK;
+    for (int32_t round = 0; round < 6 && s == TZ_OK; round++) {
+        const double full = fullness(f);
+        const int32_t some = (int32_t)(fabs(1 - full) * f->body.n);
+        tz_fill_gap *gap = NULL;
+        int32_t n = 0;
+        if (some < 1 || fabs(1 - full) < 0.01)
+            break;
+        s = tz_fill_iterate(f, 1, NULL);
+        if (s == TZ_OK)
+            s = tz_fill_diagram(f);
+        if (s == TZ_OK && full > 1)
+            s = tz_fill_relieve(f, some);
+        else if (s == TZ_OK)
+            s = tz_fill_gaps(f, 0, some, &gap, &n);
+        for (int32_t k = 0; k < n && s == TZ_OK; k++) {
+            const draw d = draw_one(f, -1, f->made);
+            int32_t out;
+            s = add_drawn(f, &d, gap[k].at, gap[k].sample, &out);
+        }
+        tz_free(f->ctx, gap);
+        if (s == TZ_OK)
+            s = tz_fill_lists(f);
+    }
     return s;
 }
 
@@ -202,7 +248,7 @@ static tz_status insert_rest(tz_fill *f, const draw *d, int32_t from, int32_t co
         if (s == TZ_OK)
             s = tz_fill_diagram(f);
         if (s == TZ_OK)
-            s = tz_fill_gaps(f, 0.25 * f->unit, batch, &gap, &n);
+            s = tz_fill_gaps(f, 0.25 * f->unit * f->guide.least, batch, &gap, &n);
         for (int32_t k = 0; k < n && from < count && s == TZ_OK; k++) {
             int32_t out;
             s = add_drawn(f, &d[from++], gap[k].at, gap[k].sample, &out);
@@ -232,6 +278,8 @@ tz_status tz_fill_start_bodies(tz_fill *f, int32_t count)
         s = tz_fill_pack(f, true);
     if (s == TZ_OK && insert)
         s = insert_rest(f, d, thrown, count);
+    if (s == TZ_OK && insert && f->job.count == 0 && (f->any_size || f->any_density))
+        s = correct_count(f);
     if (s == TZ_OK && insert)
         s = tz_fill_pack(f, true);
     tz_free(f->ctx, cells);
@@ -301,11 +349,11 @@ tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
 
 /* ---- empty places ------------------------------------------------------------------- */
 
-static int by_radius(const void *a, const void *b)
+static int by_size(const void *a, const void *b)
 {
     const tz_fill_gap *p = a, *q = b;
-    if (p->radius != q->radius)
-        return p->radius < q->radius ? 1 : -1;
+    if (p->size != q->size)
+        return p->size < q->size ? 1 : -1;
     return (p->sample > q->sample) - (p->sample < q->sample);
 }
 
@@ -349,11 +397,13 @@ tz_status tz_fill_gaps(tz_fill *f, double least, int32_t most, tz_fill_gap **out
         const tz_vec3 at = {p.x + c.gap_at[i].x, p.y + c.gap_at[i].y, 0};
         const double r = room_at(f, &c, i, at);
         if (r >= least)
-            s = tz_array_push(f->ctx, &list,
-                              ((tz_fill_gap){r, tz_domain_wrap(&f->domain, at), i}));
+            s = tz_array_push(
+                f->ctx, &list,
+                ((tz_fill_gap){r, r / (tz_fill_scale(f, i) * (1 + f->rho[i])),
+                               tz_domain_wrap(&f->domain, at), i}));
     }
     if (s == TZ_OK && list.n > 1)
-        qsort(list.v, (size_t)list.n, sizeof *list.v, by_radius);
+        qsort(list.v, (size_t)list.n, sizeof *list.v, by_size);
     *n = s != TZ_OK ? 0 : list.n < most ? list.n : most;
     if (s != TZ_OK)
         tz_array_free(f->ctx, &list);
@@ -374,16 +424,12 @@ static int by_pressure(const void *a, const void *b)
     return (p->body > q->body) - (p->body < q->body);
 }
 
-/* Bodies that lack more than their neighbours can give go where their largest disc fits. */
-tz_status tz_fill_teleport(tz_fill *f, double share)
+/* Bodies that lack more than `enough`, worst first. */
+static tz_status list_pressed(tz_fill *f, double enough, pressed **out, int32_t *n)
 {
-    const double enough = 0.45;
     TZ_ARRAY(pressed)
     list = {0};
-    tz_fill_gap *gap = NULL;
-    int32_t gaps = 0, next = 0;
     tz_status s = TZ_OK;
-    double least = HUGE_VAL;
     for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
         const tz_fill_body *b = &f->body.v[f->live.v[j]];
         pressed p = {0, 0, f->live.v[j]};
@@ -391,31 +437,56 @@ tz_status tz_fill_teleport(tz_fill *f, double share)
             p.pressure = fmax(p.pressure, f->pressure[i]);
             p.radius = fmax(p.radius, tz_fill_radius(f, i));
         }
-        if (p.pressure < enough)
-            continue;
-        least = fmin(least, p.radius);
-        s = tz_array_push(f->ctx, &list, p);
+        if (p.pressure >= enough)
+            s = tz_array_push(f->ctx, &list, p);
     }
-    const int32_t most = (int32_t)fmin(list.n, ceil(share * f->live.n));
-    if (s == TZ_OK && most > 0)
-        s = tz_fill_gaps(f, 0.75 * least, 4 * most, &gap, &gaps);
     if (list.n > 1)
         qsort(list.v, (size_t)list.n, sizeof *list.v, by_pressure);
-    for (int32_t k = 0; k < list.n && next < gaps && next < most && s == TZ_OK; k++) {
-        const tz_fill_body *b = &f->body.v[list.v[k].body];
-        if (list.v[k].radius * 0.75 > gap[next].radius)
-            continue;
+    *out = list.v, *n = list.n;
+    return s;
+}
+
+tz_status tz_fill_relieve(tz_fill *f, int32_t count)
+{
+    pressed *list = NULL;
+    int32_t n = 0;
+    tz_status s = list_pressed(f, 0, &list, &n);
+    for (int32_t k = 0; k < n && k < count && s == TZ_OK; k++)
+        s = tz_fill_remove(f, list[k].body);
+    tz_free(f->ctx, list);
+    return s == TZ_OK ? tz_fill_lists(f) : s;
+}
+
+/* Bodies that lack more than their neighbours can give go where their largest disc fits. */
+tz_status tz_fill_teleport(tz_fill *f, double share)
+{
+    const double enough = 0.45;
+    pressed *list = NULL;
+    tz_fill_gap *gap = NULL;
+    int32_t n = 0, gaps = 0, next = 0;
+    double least = HUGE_VAL;
+    tz_status s = list_pressed(f, enough, &list, &n);
+    for (int32_t k = 0; k < n && s == TZ_OK; k++)
+        least = fmin(least, list[k].radius);
+    const int32_t most = (int32_t)fmin(n, ceil(share * f->live.n));
+    if (s == TZ_OK && most > 0)
+        s = tz_fill_gaps(f, 0.75 * least, 4 * most, &gap, &gaps);
+    for (int32_t k = 0; k < n && next < gaps && next < most && s == TZ_OK; k++) {
+        const tz_fill_body *b = &f->body.v[list[k].body];
         const int32_t near = gap[next].sample;
         const tz_vec2 t = tz_fill_turn(f, near);
+        const double by = tz_fill_scale(f, near) / tz_fill_scale(f, b->first);
+        if (list[k].radius * by * 0.75 > gap[next].radius)
+            continue;
         if (near >= b->first && near < b->first + b->n)
             continue; /* it lies there itself */
-        tz_fill_put(f, list.v[k].body, gap[next].at, atan2(t.y, t.x),
+        tz_fill_put(f, list[k].body, gap[next].at, atan2(t.y, t.x),
                     tz_fill_scale(f, near));
         next++;
         f->moved++;
         f->fresh = false;
     }
-    tz_array_free(f->ctx, &list);
+    tz_free(f->ctx, list);
     tz_free(f->ctx, gap);
     return s;
 }
