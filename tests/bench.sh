@@ -334,7 +334,7 @@ bench_likeness() {
     local f name json folder=$here/../../shared/exemplars/svg
     shopt -s nullglob
     : >"$out/lines"
-    for f in "$folder"/*.svg "$here"/../data/exemplars/*.svg; do
+    for f in "$folder"/*.svg "$here"/../data/exemplars/{chips,current,hearts,noodles}.svg; do
         name=$(basename "${f%.svg}")
         "$terrazzo" arrange "$f" -o "$out/$name-layout.svg" --grow 3 --quiet &&
             json=$("$terrazzo" compare "$f" "$out/$name-layout.svg" --json) || return 1
@@ -381,8 +381,9 @@ curve_exemplars() {
         contours_topography wood_grain gears_floating_cogs memphis_mixed; do
         [ ! -f "$folder/$name.svg" ] || echo "$folder/$name.svg"
     done
-    echo "$here/../data/exemplars/noodles.svg"
-    echo "$here/../data/exemplars/current.svg"
+    for name in noodles current streets circuit contours grain mud vine; do
+        echo "$here/../data/exemplars/$name.svg"
+    done
     for f in "${photos[@]}"; do
         name=$(basename "${f%.*}")
         case $name in

@@ -79,7 +79,8 @@ element_sheet() { # NAME TITLE PICTURE...
     elements+="<h2>$title</h2><img src=\"$name.png\" alt=\"$title\">"$'\n'
     echo "$title"
 }
-for drawing in "$here"/../../shared/exemplars/svg/*.svg "$here"/../data/exemplars/*.svg; do
+for drawing in "$here"/../../shared/exemplars/svg/*.svg \
+    "$here"/../data/exemplars/{chips,current,hearts,noodles}.svg; do
     name=$(basename "${drawing%.svg}")
     "$terrazzo" arrange "$drawing" -o "$out/e_$name.svg" --grow 3 --seed 7 --quiet &&
         "$terrazzo" render "$out/e_$name.svg" -o "$out/e_$name.png" --quiet ||
@@ -102,7 +103,7 @@ done
 # Drawings of lines beside layouts of nine times their area.
 curves=
 for drawing in "$here"/../../shared/exemplars/svg/{lattice,network,contours,wood}*.svg \
-    "$here"/../data/exemplars/{noodles,current}.svg; do
+    "$here"/../data/exemplars/{noodles,current,streets,circuit,contours,grain,mud,vine}.svg; do
     name=$(basename "${drawing%.svg}")
     "$terrazzo" arrange "$drawing" --as curves -o "$out/c_$name.svg" --grow 3 --seed 7 \
         --quiet &&
