@@ -232,16 +232,31 @@ static int by_cost(const void *a, const void *b)
     return (p->b > q->b) - (p->b < q->b);
 }
 
+static double angle_to(tz_vec2 a, tz_vec2 b)
+{
+    return atan2(a.x * b.y - a.y * b.x, tz_vec2_dot(a, b));
+}
+
+/* From port to port a line runs straight on, or as an arc. */
 static double pair_cost(const tiling *t, const port *a, const port *b)
 {
-    const double reach = t->reach[upright(a->side) ? 0 : 1],
-                 off = fabs(a->at - b->at) / fmax(reach, 0.75 * fmax(a->width, b->width)),
-                 facing = -tz_vec2_dot(a->out, b->out),
-                 wide = fabs(log(a->width / b->width)) / log(1.6);
-    if (!(off < 1) || facing < cos(25 * TZ_PI / 180) || !(wide < 1) ||
-        a->color != b->color)
+    const tz_vec3 size = t->set.domain.size;
+    const tz_vec2 n = normal_of(a->side),
+                  q = {b->p.x + n.x * size.x, b->p.y + n.y * size.y};
+    const tz_vec2 v = tz_vec2_sub(q, a->p), back = tz_vec2_scale(b->out, -1);
+    const bool gap = tz_vec2_length(v) > t->reach[upright(a->side) ? 0 : 1];
+    const double reach = fmax(t->reach[upright(a->side) ? 0 : 1],
+                              0.75 * fmax(a->width, b->width)),
+                 off = fabs(a->at - b->at) / reach,
+                 wide = fabs(log(a->width / b->width)) / log(1.6),
+                 all = fabs(angle_to(a->out, back)) / (25 * TZ_PI / 180),
+                 first = gap ? angle_to(a->out, v) / (50 * TZ_PI / 180) : 0,
+                 last = gap ? angle_to(v, back) / (50 * TZ_PI / 180) : 0;
+    const bool arc =
+        gap && fabs(first) < 1 && fabs(last) < 1 && fabs(first - last) < 0.7 && off < 2;
+    if (!(wide < 1) || a->color != b->color || !((off < 1 && all < 1) || arc))
         return INFINITY;
-    return off + 4 * (1 - facing) + 0.3 * wide;
+    return fmin(2, off) + 0.4 * fmin(all, 3) + 0.3 * wide + fabs(first - last);
 }
 
 static tz_status pair_ports(tiling *t)
@@ -307,7 +322,9 @@ static tz_status open_tiling(tz_ctx *ctx, const tz_curve_set *set, double inset,
 
 /* ---- whether it is ------------------------------------------------------------------- */
 
-static bool tiles(const tiling *t, double *share)
+/* Half of the ports may meet no port: their lines may run along the border, or end at ones
+ * that do. What is left in the end is counted when all is sewn. */
+static bool may_tile(const tiling *t, double *share)
 {
     const tz_vec3 size = t->set.domain.size;
     double n[SIDES] = {0}, paired[SIDES] = {0}, chance = 0;
@@ -322,7 +339,7 @@ static bool tiles(const tiling *t, double *share)
             *share = fmin(*share, paired[k] / most);
         chance += paired[k] * log(fmin(1, 2 * most * t->reach[k] / l) / 3);
     }
-    return *share >= 0.85 && chance < log(1e-4);
+    return *share >= 0.5 && chance < log(1e-4);
 }
 
 /* Ends as they are, or if that pairs more, lines from farther inside. */
@@ -333,7 +350,7 @@ static tz_status tiling_init(tz_ctx *ctx, const tz_curve_set *set, tiling *t, bo
     tz_status st = open_tiling(ctx, set, 0, t);
     if (st != TZ_OK)
         return st;
-    *is = tiles(t, &share);
+    *is = may_tile(t, &share);
     if (share == 1)
         return TZ_OK;
     st = open_tiling(ctx, set, 1.5, &other);
@@ -341,7 +358,7 @@ static tz_status tiling_init(tz_ctx *ctx, const tz_curve_set *set, tiling *t, bo
         tiling_deinit(t);
         return st;
     }
-    const bool better = tiles(&other, &more);
+    const bool better = may_tile(&other, &more);
     if (more > share) {
         tiling_deinit(t);
         *t = other;
@@ -350,22 +367,6 @@ static tz_status tiling_init(tz_ctx *ctx, const tz_curve_set *set, tiling *t, bo
         tiling_deinit(&other);
     }
     return TZ_OK;
-}
-
-tz_status tz_curve_tile_find(tz_ctx *ctx, const tz_curve_set *set, bool *is)
-{
-    tiling t;
-    if (set->domain.torus || set->domain.region || set->element.photo.n > 0) {
-        *is = set->domain.torus;
-        return TZ_OK;
-    }
-    bool found;
-    const tz_status st = tiling_init(ctx, set, &t, &found);
-    if (st == TZ_OK) {
-        *is = found;
-        tiling_deinit(&t);
-    }
-    return st;
 }
 
 /* ---- sewing -------------------------------------------------------------------------- */
@@ -493,33 +494,91 @@ static tz_status sew(const tiling *t, tz_curve_set *to)
     return st;
 }
 
+/* Ends that are left beside the border. */
+static tz_status count_left(const tiling *t, const tz_curve_set *s, double *left)
+{
+    int32_t *degree = NULL;
+    double wide = 0;
+    const tz_vec3 size = s->domain.size;
+    const tz_status st =
+        tz_alloc_zero(t->ctx, &degree, (size_t)s->node.n + 1, sizeof *degree);
+    *left = 0;
+    if (st != TZ_OK)
+        return st;
+    for (int32_t i = 0; i < t->port.n; i++)
+        wide = fmax(wide, slack(t, t->port.v[i].width));
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        degree[s->piece.v[i].from]++;
+        degree[s->piece.v[i].to]++;
+    }
+    for (int32_t i = 0; i < s->node.n; i++) {
+        const tz_vec2 p = s->node.v[i];
+        *left += degree[i] == 1 &&
+                 fmin(fmin(p.x, size.x - p.x), fmin(p.y, size.y - p.y)) <= 1.01 * wide;
+    }
+    tz_free(t->ctx, degree);
+    return TZ_OK;
+}
+
+static tz_status join_tiling(const tiling *t, tz_curve_set *out)
+{
+    tz_curve_set sewn = {0};
+    tz_status st = sew(t, &sewn);
+    if (st == TZ_OK) {
+        tz_curve_wrap(&sewn);
+        st = tz_curve_join(t->ctx, &sewn, NULL, out);
+    }
+    tz_curve_set_deinit(&sewn);
+    return st;
+}
+
+tz_status tz_curve_tile_find(tz_ctx *ctx, const tz_curve_set *set, bool *is)
+{
+    tiling t;
+    bool may;
+    double left = 0;
+    if (set->domain.torus || set->domain.region || set->element.photo.n > 0) {
+        *is = set->domain.torus;
+        return TZ_OK;
+    }
+    tz_status st = tiling_init(ctx, set, &t, &may);
+    if (st != TZ_OK)
+        return st;
+    if (may) {
+        tz_curve_set out = {0};
+        st = join_tiling(&t, &out);
+        if (st == TZ_OK)
+            st = count_left(&t, &out, &left);
+        tz_curve_set_deinit(&out);
+    }
+    if (st == TZ_OK)
+        *is = may && left <= 0.15 * t.port.n;
+    tiling_deinit(&t);
+    return st;
+}
+
 tz_status tz_curve_tile_join(tz_ctx *ctx, const tz_curve_set *set, tz_curve_set *out)
 {
     tiling t;
-    bool is;
+    bool may;
     uint8_t *none = NULL;
-    tz_curve_set sewn = {0}, elements = {0};
+    tz_curve_set elements = {0};
     *out = (tz_curve_set){0};
     if (set->domain.region)
         return tz_fail(ctx, TZ_INVALID, "tile: a drawing with a region is none");
     if (set->domain.torus)
         return tz_curve_choose(ctx, set, NULL, NULL, NULL, (tz_vec2){0, 0}, out);
-    tz_status st = tiling_init(ctx, set, &t, &is);
+    tz_status st = tiling_init(ctx, set, &t, &may);
     if (st != TZ_OK)
         return st;
     st = tz_alloc_zero(ctx, &none, (size_t)t.set.path.n + 1, 1);
     if (st == TZ_OK)
-        st = sew(&t, &sewn);
-    if (st == TZ_OK) {
-        tz_curve_wrap(&sewn);
-        st = tz_curve_join(ctx, &sewn, NULL, out);
-    }
+        st = join_tiling(&t, out);
     if (st == TZ_OK)
-        st = tz_curve_choose(ctx, &t.set, none, NULL, &sewn.domain, (tz_vec2){0, 0},
+        st = tz_curve_choose(ctx, &t.set, none, NULL, &out->domain, (tz_vec2){0, 0},
                              &elements);
     if (st == TZ_OK)
         st = tz_curve_append(ctx, out, &elements);
-    tz_curve_set_deinit(&sewn);
     tz_curve_set_deinit(&elements);
     tz_free(ctx, none);
     tiling_deinit(&t);
