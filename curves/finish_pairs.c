@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ends of drawings that have none. Any two within the reach may be joined, also by a turn;
- * the cost is the way of the curve (Hermite, the handles longer the more it turns) over the
+/* Ends of drawings that have none. Any two within the reach may be joined, also by a turn,
+ * before which one of two that end side by side is cut back to the other; the cost is the way of the curve (Hermite, the handles longer the more it turns) over the
  * reach, and more where it turns. Pairs are taken from the cheapest on; then an end that is
  * left takes a partner whose other partner finds a third (augmenting paths of three). What
  * still is left is cut back a little, which makes room, and tried again; in the end, lines
@@ -17,11 +17,13 @@ enum {
     MOST_FOUND = 512
 };
 #define TURNING 0.7 /* of the cost, that a turn by pi adds to it */
+#define CUT     0.5 /* times what is cut off */
 #define PENS    1.5 /* times the cost: lines of two pens */
 
 typedef struct pair {
     double cost;
-    int32_t a, b; /* loose ends, by number */
+    int32_t a, b;  /* loose ends, by number */
+    double cut[2]; /* lengths that their lines lose first */
     tz_bezier curve;
 } pair;
 
@@ -64,26 +66,171 @@ static tz_bezier connect(tz_vec2 p, tz_vec2 u, tz_vec2 q, tz_vec2 w, double *tur
         {p, tz_vec2_add(p, tz_vec2_scale(u, h)), tz_vec2_add(q, tz_vec2_scale(w, h)), q}};
 }
 
+/* An edge's tail that does not count. */
+typedef struct tail {
+    int32_t edge, node;
+    double way;
+} tail;
+
+static tail tail_of(const tz_net *n, int32_t node, double way)
+{
+    return (tail){n->edge_of[tz_net_end_at(n, node) >> 1], node, way};
+}
+
+static bool in_tail(const tz_net *n, const tail *t, const tz_net_point *p)
+{
+    const tz_net_edge *e = &n->edge.v[t->edge];
+    return n->edge_of[p->piece] == t->edge &&
+           ((e->from == t->node && p->along <= t->way) ||
+            (e->to == t->node && e->length - p->along <= t->way));
+}
+
+static bool cross(tz_vec2 p, tz_vec2 q, tz_vec2 r, tz_vec2 s)
+{
+    const tz_vec2 d = tz_vec2_sub(q, p), e = tz_vec2_sub(s, r), f = tz_vec2_sub(r, p);
+    const double det = d.x * e.y - d.y * e.x;
+    if (det == 0)
+        return false;
+    const double u = (f.x * e.y - f.y * e.x) / det, v = (f.x * d.y - f.y * d.x) / det;
+    return u >= 0 && u <= 1 && v >= 0 && v <= 1;
+}
+
+/* Whether a chord crosses a line, but for two tails. */
+static bool chord_blocked(const tz_net *n, tz_vec2 p, tz_vec2 q, const tail but[2])
+{
+    int32_t id[MOST_FOUND];
+    const tz_vec2 mid = tz_vec2_scale(tz_vec2_add(p, q), 0.5);
+    const double r = tz_vec2_length(tz_vec2_sub(q, p)) / 2 + n->spacing;
+    const tz_vec3 in = tz_domain_wrap(&n->set.domain, (tz_vec3){mid.x, mid.y, 0});
+    const int32_t found =
+        tz_grid_query(&n->grid, (tz_vec2){in.x, in.y}, r, id, MOST_FOUND);
+    for (int32_t i = 0; i < found && i < MOST_FOUND; i++) {
+        const tz_net_point *v = &n->point.v[id[i]];
+        if (id[i] + 1 >= n->at[v->piece + 1] ||
+            ((in_tail(n, &but[0], v) || in_tail(n, &but[0], v + 1))) ||
+            in_tail(n, &but[1], v) || in_tail(n, &but[1], v + 1))
+            continue;
+        const tz_vec2 from = tz_curve_copy(&n->set.domain, v->at, mid),
+                      to = tz_vec2_add(from, tz_vec2_sub(v[1].at, v->at));
+        if (cross(p, q, from, to))
+            return true;
+    }
+    return found > MOST_FOUND;
+}
+
+static bool clear_way(const tz_net *n, const tz_bezier *c, const tail but[2])
+{
+    tz_vec2 p = c->p[0];
+    for (int k = 1; k <= STEPS; k++) {
+        const tz_vec2 q = tz_bezier_at(c, (double)k / STEPS);
+        if (tz_domain_depth(&n->set.domain, (tz_vec3){q.x, q.y, 0}) < 0 ||
+            chord_blocked(n, p, q, but))
+            return false;
+        p = q;
+    }
+    return true;
+}
+
+/* Where a piece has run that far from one of its ends. */
+static double parameter_at(const tz_bezier *b, double way, bool back)
+{
+    double lo = 0, hi = 1;
+    for (int i = 0; i < 30; i++) {
+        const double mid = (lo + hi) / 2;
+        const tz_bezier part = tz_bezier_part(b, back ? 1 - mid : 0, back ? 1 : mid);
+        *(tz_bezier_length(&part) < way ? &lo : &hi) = mid;
+    }
+    return back ? 1 - hi : hi;
+}
+
+/* A place on an edge, before its end at that node by `way`. */
+typedef struct place {
+    int32_t before; /* pieces that lie behind it as a whole */
+    int32_t piece;
+    bool back; /* the tail is at the piece's end */
+    double t;
+    tz_vec2 at, out; /* out: towards the end */
+} place;
+
+static place place_at(const tz_net *n, int32_t node, double way)
+{
+    const tz_net_edge *d = &n->edge.v[n->edge_of[tz_net_end_at(n, node) >> 1]];
+    const bool front = d->from == node;
+    place p = {.piece = -1, .at = n->set.node.v[node], .out = tz_net_outwards(n, node)};
+    for (int32_t i = 0; i < d->steps && way > 0; i++) {
+        const int32_t end = n->step.v[d->step + (front ? i : d->steps - 1 - i)];
+        const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[end >> 1]);
+        const double length = tz_bezier_length(&b);
+        if (length <= way) {
+            way -= length;
+            p.before++;
+            continue;
+        }
+        p.piece = end >> 1;
+        p.back = (end & 1) == front;
+        p.t = parameter_at(&b, way, p.back);
+        const tz_vec2 u = tz_bezier_slope(&b, p.t);
+        const double size = tz_vec2_length(u);
+        p.at = tz_bezier_at(&b, p.t);
+        if (size > 0)
+            p.out = tz_vec2_scale(u, (p.back ? 1 : -1) / size);
+        break;
+    }
+    return p;
+}
+
+/* The pair, when its lines have been cut back so far; false if nothing comes of it. */
+static bool try_pair(const pairing *k, const double cut[2], double reach, pair *c)
+{
+    const tz_net *n = k->n;
+    const int32_t na = k->loose.v[c->a], nb = k->loose.v[c->b];
+    const tail but[2] = {tail_of(n, na, cut[0] + 1.01 * n->spacing),
+                         tail_of(n, nb, cut[1] + 1.01 * n->spacing)};
+    const tz_net_edge *ea = &n->edge.v[but[0].edge], *eb = &n->edge.v[but[1].edge];
+    const bool own = but[0].edge == but[1].edge;
+    if (ea->length < (own ? cut[0] + cut[1] : cut[0]) + k->l->crumb ||
+        eb->length < cut[1] + k->l->crumb)
+        return false;
+    const place p = place_at(n, na, cut[0]), q = place_at(n, nb, cut[1]);
+    double turn;
+    c->curve =
+        connect(p.at, p.out, tz_curve_copy(&n->set.domain, q.at, p.at), q.out, &turn);
+    const double length = tz_bezier_length(&c->curve);
+    if (turn > 1.3 * TZ_PI || (own && ea->length < 2 * length) ||
+        !clear_way(n, &c->curve, but))
+        return false; /* it would come back by itself; be hardly a loop; cross something */
+    c->cut[0] = cut[0];
+    c->cut[1] = cut[1];
+    c->cost =
+        (length * (1 + TURNING * turn / TZ_PI) + CUT * (cut[0] + cut[1])) / reach *
+        (n->pen[tz_net_end_at(n, na) >> 1] == n->pen[tz_net_end_at(n, nb) >> 1] ? 1
+                                                                                : PENS);
+    return true;
+}
+
 static tz_status add_pair(pairing *k, int32_t a, int32_t b, double reach)
 {
     const tz_net *n = k->n;
     const int32_t na = k->loose.v[a], nb = k->loose.v[b];
-    const tz_vec2 p = n->set.node.v[na], v = tz_net_vector(n, p, n->set.node.v[nb]);
-    const int32_t pa = tz_net_end_at(n, na) >> 1, pb = tz_net_end_at(n, nb) >> 1;
-    double turn;
-    if (!(tz_vec2_length(v) <= reach))
-        return TZ_OK;
+    const tz_vec2 v = tz_net_vector(n, n->set.node.v[na], n->set.node.v[nb]),
+                  u = tz_net_outwards(n, na), w = tz_net_outwards(n, nb);
+    const double d = tz_vec2_length(v);
     pair c = {.a = a, .b = b};
-    c.curve = connect(p, tz_net_outwards(n, na), tz_vec2_add(p, v),
-                      tz_net_outwards(n, nb), &turn);
-    const double length = tz_bezier_length(&c.curve);
-    if (turn > 1.3 * TZ_PI) /* it would have to come back by itself */
+    /* as they end; brought level; and a little farther back */
+    const double ahead = 0.5 * (tz_vec2_dot(v, u) - tz_vec2_dot(v, w) * -1),
+                 level[2] = {fmax(-ahead, 0), fmax(ahead, 0)};
+    const double side = sqrt(fmax(d * d - ahead * ahead, 0)), room = 0.5 * side;
+    const double cuts[4][2] = {{0, 0},
+                               {level[0], level[1]},
+                               {level[0] + room, level[1] + room},
+                               {level[0] + 2 * room, level[1] + 2 * room}};
+    const int tries = tz_vec2_dot(u, w) > 0.3 ? 4 : 1;
+    if (!(d <= reach))
         return TZ_OK;
-    if (n->edge_of[pa] == n->edge_of[pb] && n->edge.v[n->edge_of[pa]].length < 2 * length)
-        return TZ_OK; /* hardly a loop */
-    c.cost = length / reach * (1 + TURNING * turn / TZ_PI) *
-             (n->pen[pa] == n->pen[pb] ? 1 : PENS);
-    return tz_array_push(n->ctx, &k->pair, c);
+    for (int i = 0; i < tries; i++)
+        if (try_pair(k, cuts[i], reach, &c))
+            return tz_array_push(n->ctx, &k->pair, c);
+    return TZ_OK;
 }
 
 typedef struct near_end {
@@ -152,16 +299,6 @@ static int by_cost(const void *a, const void *b)
 
 /* ---- bridges among themselves ------------------------------------------------------------ */
 
-static bool cross(tz_vec2 p, tz_vec2 q, tz_vec2 r, tz_vec2 s)
-{
-    const tz_vec2 d = tz_vec2_sub(q, p), e = tz_vec2_sub(s, r), f = tz_vec2_sub(r, p);
-    const double det = d.x * e.y - d.y * e.x;
-    if (det == 0)
-        return false;
-    const double u = (f.x * e.y - f.y * e.x) / det, v = (f.x * d.y - f.y * d.x) / det;
-    return u >= 0 && u <= 1 && v >= 0 && v <= 1;
-}
-
 static way way_of(const tz_bezier *c)
 {
     way w = {.lo = {INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY}};
@@ -205,16 +342,6 @@ static bool in_the_way(const pairing *k, const way *w, int32_t but)
 
 /* ---- matching ---------------------------------------------------------------------------- */
 
-static bool leaves(const pairing *k, const tz_bezier *c)
-{
-    for (int i = 1; i < STEPS; i++) {
-        const tz_vec2 p = tz_bezier_at(c, (double)i / STEPS);
-        if (tz_domain_depth(&k->n->set.domain, (tz_vec3){p.x, p.y, 0}) < 0)
-            return true;
-    }
-    return false;
-}
-
 static tz_status take(pairing *k, int32_t id)
 {
     const pair *c = &k->pair.v[id];
@@ -223,19 +350,14 @@ static tz_status take(pairing *k, int32_t id)
     return s == TZ_OK ? tz_array_push(k->n->ctx, &k->drawn, way_of(&c->curve)) : s;
 }
 
-/* Pairs that would cross a line are none. */
-static void drop_blocked(pairing *k)
+/* Each pair has been found from both its ends. */
+static void drop_doubles(pairing *k)
 {
     int32_t n = 0;
-    for (int32_t i = 0; i < k->pair.n; i++) {
-        const pair *c = &k->pair.v[i];
-        const bool twice =
-            n > 0 && k->pair.v[n - 1].a == c->a && k->pair.v[n - 1].b == c->b;
-        if (!twice && !leaves(k, &c->curve) &&
-            !tz_net_blocked(k->n, &c->curve, tz_net_end_at(k->n, k->loose.v[c->a]) >> 1,
-                            tz_net_end_at(k->n, k->loose.v[c->b]) >> 1))
-            k->pair.v[n++] = *c;
-    }
+    for (int32_t i = 0; i < k->pair.n; i++)
+        if (n == 0 || k->pair.v[n - 1].a != k->pair.v[i].a ||
+            k->pair.v[n - 1].b != k->pair.v[i].b)
+            k->pair.v[n++] = k->pair.v[i];
     k->pair.n = n;
 }
 
@@ -288,17 +410,49 @@ static tz_status augment_all(pairing *k)
     return s;
 }
 
+static tz_status need_kept(tz_net_edit *e)
+{
+    if (e->kept)
+        return TZ_OK;
+    const tz_status s =
+        tz_alloc(e->net->ctx, &e->kept, (size_t)e->net->set.piece.n, sizeof *e->kept);
+    for (int32_t i = 0; i < e->net->set.piece.n && s == TZ_OK; i++)
+        e->kept[i] = (tz_net_kept){{0, 1}, {-1, -1}};
+    return s;
+}
+
+/* Takes `way` from the edge's end at that node; the end is then `out`. */
+static tz_status cut_back(tz_net_edit *e, int32_t node, double way, int32_t *out)
+{
+    const tz_net *n = e->net;
+    const tz_net_edge *d = &n->edge.v[n->edge_of[tz_net_end_at(n, node) >> 1]];
+    const place p = place_at(n, node, way);
+    const bool front = d->from == node;
+    *out = node;
+    if (p.piece < 0)
+        return TZ_OK;
+    for (int32_t i = 0; i < p.before; i++)
+        e->gone[n->step.v[d->step + (front ? i : d->steps - 1 - i)] >> 1] = true;
+    tz_net_kept *k = &e->kept[p.piece];
+    k->t[p.back] = p.t;
+    const tz_status s = tz_net_edit_node(e, p.at, out);
+    k->node[p.back] = *out;
+    return s;
+}
+
 static tz_status draw(pairing *k, int32_t id)
 {
     const tz_net *n = k->n;
     const pair *c = &k->pair.v[id];
     const int32_t a = k->loose.v[c->a], b = k->loose.v[c->b];
-    const tz_net_bridge bridge = {.node = {a, b},
-                                  .curve = c->curve,
-                                  .taper = {tz_net_width_at(n, a), tz_net_width_at(n, b)},
-                                  .pen = n->pen[tz_net_end_at(n, a) >> 1]};
+    tz_net_bridge bridge = {.curve = c->curve,
+                            .taper = {tz_net_width_at(n, a), tz_net_width_at(n, b)},
+                            .pen = n->pen[tz_net_end_at(n, a) >> 1]};
+    tz_status s = cut_back(k->edit, a, c->cut[0], &bridge.node[0]);
+    if (s == TZ_OK)
+        s = cut_back(k->edit, b, c->cut[1], &bridge.node[1]);
     k->edit->closed++;
-    return tz_array_push(n->ctx, &k->edit->bridge, bridge);
+    return s == TZ_OK ? tz_array_push(n->ctx, &k->edit->bridge, bridge) : s;
 }
 
 tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reach,
@@ -312,6 +466,8 @@ tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reac
         if (tz_net_dangles(n, i, l->margin) && !e->gone[tz_net_end_at(n, i) >> 1] &&
             e->merged[i] == i)
             s = tz_array_push(n->ctx, &k.loose, i);
+    if (s == TZ_OK)
+        s = need_kept(e);
     if (s == TZ_OK && k.loose.n > 1)
         s = find_pairs(&k, reach);
     if (s == TZ_OK)
@@ -321,7 +477,7 @@ tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reac
     if (s == TZ_OK && k.pair.n > 1)
         qsort(k.pair.v, (size_t)k.pair.n, sizeof *k.pair.v, by_cost);
     if (s == TZ_OK)
-        drop_blocked(&k);
+        drop_doubles(&k);
     for (int32_t i = 0; i < k.pair.n && s == TZ_OK && over > 0 && k.done.n < MOST; i++) {
         const pair *c = &k.pair.v[i];
         if (k.taken[c->a] >= 0 || k.taken[c->b] >= 0)
@@ -345,60 +501,13 @@ tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reac
     return s;
 }
 
-/* ---- cutting back ------------------------------------------------------------------------ */
-
-static tz_status need_kept(tz_net_edit *e)
-{
-    if (e->kept)
-        return TZ_OK;
-    const tz_status s =
-        tz_alloc(e->net->ctx, &e->kept, (size_t)e->net->set.piece.n, sizeof *e->kept);
-    for (int32_t i = 0; i < e->net->set.piece.n && s == TZ_OK; i++)
-        e->kept[i] = (tz_net_kept){{0, 1}, {-1, -1}};
-    return s;
-}
-
-/* Where a piece has run that far from one of its ends. */
-static double parameter_at(const tz_bezier *b, double way, bool back)
-{
-    double lo = 0, hi = 1;
-    for (int i = 0; i < 30; i++) {
-        const double mid = (lo + hi) / 2;
-        const tz_bezier part = tz_bezier_part(b, back ? 1 - mid : 0, back ? 1 : mid);
-        *(tz_bezier_length(&part) < way ? &lo : &hi) = mid;
-    }
-    return back ? 1 - hi : hi;
-}
-
-/* Takes `way` from the edge's end at that node. */
-static tz_status cut_back(tz_net_edit *e, int32_t node, double way)
-{
-    const tz_net *n = e->net;
-    const tz_net_edge *d = &n->edge.v[n->edge_of[tz_net_end_at(n, node) >> 1]];
-    const bool front = d->from == node;
-    for (int32_t i = 0; i < d->steps; i++) {
-        const int32_t end = n->step.v[d->step + (front ? i : d->steps - 1 - i)],
-                      piece = end >> 1;
-        const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[piece]);
-        const double length = tz_bezier_length(&b);
-        const bool back = (end & 1) == front; /* the tail is at the piece's end */
-        if (length <= way) {
-            e->gone[piece] = true;
-            way -= length;
-            continue;
-        }
-        const double t = parameter_at(&b, way, back);
-        tz_net_kept *k = &e->kept[piece];
-        k->t[back] = t;
-        return tz_net_edit_node(e, tz_bezier_at(&b, t), &k->node[back]);
-    }
-    return TZ_OK;
-}
+/* ---- cutting back ------------------------------------------------------------ */
 
 tz_status tz_finish_retract(tz_net_edit *e, const tz_finish_limits *l, double way,
                             double most)
 {
     const tz_net *n = e->net;
+    int32_t end;
     tz_status s = need_kept(e);
     if (tz_net_ends(n, l->margin) <= most)
         return s;
@@ -410,7 +519,7 @@ tz_status tz_finish_retract(tz_net_edit *e, const tz_finish_limits *l, double wa
             tz_net_dangles(n, d->from, l->margin) && tz_net_dangles(n, d->to, l->margin);
         if (d->length < (both ? 2 : 1) * way + l->crumb + way)
             continue;
-        s = cut_back(e, i, way);
+        s = cut_back(e, i, way, &end);
         e->removed++;
     }
     return s;
