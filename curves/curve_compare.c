@@ -106,21 +106,23 @@ static double edges_apart(const tz_linework_statistics *a,
     return n > 0 && least < 1 ? sum / n : NAN;
 }
 
+/* Where lines are long enough to turn within the way in one of the two only, the places at
+ * which they are count as if they turned half as far as can be. A way that few lines are
+ * long enough for says little. */
 static double turning_apart(const tz_linework_statistics *a,
                             const tz_linework_statistics *b)
 {
-    double sum = 0, n = 0;
+    double sum = 0, all = 0;
     for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
-        const double in_a = sum_of(a->turning[k], TZ_LINEWORK_ANGLES),
-                     in_b = sum_of(b->turning[k], TZ_LINEWORK_ANGLES);
-        if (!(in_a > 0) && !(in_b > 0))
-            continue;
-        sum += in_a > 0 && in_b > 0
-                   ? cumulated_apart(a->turning[k], b->turning[k], TZ_LINEWORK_ANGLES)
-                   : 0.5;
-        n++;
+        const double both = fmin(a->told[k], b->told[k]),
+                     most = fmax(a->told[k], b->told[k]);
+        sum += 0.5 * (most - both);
+        if (both > 0)
+            sum +=
+                both * cumulated_apart(a->turning[k], b->turning[k], TZ_LINEWORK_ANGLES);
+        all += most;
     }
-    return n > 0 ? sum / n : NAN;
+    return all > 0 ? sum / all : NAN;
 }
 
 static double cells_apart(const view *a, const view *b)

@@ -371,12 +371,10 @@ static tz_status add_turns(builder *b, double step)
     for (double i = 0; i < n && s == TZ_OK; i++) {
         const double along = (i + 0.5) / n * length;
         tz_linework_turn t = {.at = place(l, along)};
-        bool any = false;
-        for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
+        t.depth = (float)depth(&b->f->domain, t.at);
+        for (int k = 0; k < TZ_LINEWORK_LAGS; k++)
             t.angle[k] = (float)turn_at(l, along, b->f->scale.lag[k]);
-            any |= !isnan(t.angle[k]);
-        }
-        if (any && is_inside(b->f, t.at))
+        if (is_inside(b->f, t.at))
             s = tz_array_push(b->ctx, &b->f->turn, t);
     }
     return s;
@@ -438,6 +436,35 @@ static double length_of(const tz_curve_set *s)
     return length;
 }
 
+/* At crossings lines run on as an eye follows them, not as they happen to be drawn: every
+ * piece is a path of its own, and paths are chained by what they look like. */
+static tz_status follow(builder *b)
+{
+    const tz_curve_join_params chain = {.only_chain = true};
+    const tz_curve_set *from = &b->set;
+    tz_curve_set apart = *from, to = {0};
+    tz_status s = TZ_OK;
+    memset(&apart.path, 0, sizeof apart.path);
+    for (int32_t i = 0; i < from->path.n && s == TZ_OK; i++)
+        for (int32_t k = 0; k < from->path.v[i].pieces && s == TZ_OK; k++) {
+            const int32_t piece = from->path.v[i].piece + k;
+            const tz_curve_piece *p = &from->piece.v[piece];
+            s = tz_array_push(b->ctx, &apart.path,
+                              ((tz_curve_path){.piece = piece,
+                                               .pieces = 1,
+                                               .closed = p->from == p->to,
+                                               .pen = from->path.v[i].pen}));
+        }
+    if (s == TZ_OK)
+        s = tz_curve_join(b->ctx, &apart, &chain, &to);
+    tz_array_free(b->ctx, &apart.path);
+    if (s == TZ_OK) {
+        tz_curve_set_deinit(&b->set);
+        b->set = to;
+    }
+    return s;
+}
+
 tz_status tz_linework_field_init(tz_ctx *ctx, const tz_curve_set *s,
                                  const tz_linework_scale *scale, tz_linework_field *f)
 {
@@ -452,6 +479,8 @@ tz_status tz_linework_field_init(tz_ctx *ctx, const tz_curve_set *s,
         st = cut_open(ctx, s, TOLERANCE * scale->unit, &flat);
     if (st == TZ_OK)
         st = tz_curve_join(ctx, s->domain.torus ? &flat : s, &join, &b.set);
+    if (st == TZ_OK)
+        st = follow(&b);
     if (st != TZ_OK)
         goto done;
     const double length = length_of(&b.set);

@@ -18,7 +18,7 @@
 enum {
     TZ_LINEWORK_TURNS = 24,  /**< bins of directions, [0, pi) */
     TZ_LINEWORK_LAGS = 4,    /**< lengths over which lines turn */
-    TZ_LINEWORK_ANGLES = 32, /**< bins of these angles, by their square root */
+    TZ_LINEWORK_ANGLES = 32, /**< bins of these angles, as an eye tells them apart */
     TZ_LINEWORK_WAYS = 48,   /**< steps of the way to the end of an edge */
     TZ_LINEWORK_AREAS = 32,  /**< bins of cells' areas, two a doubling */
     TZ_LINEWORK_SIDE = 2048  /**< most pixels a side of rasters */
@@ -57,11 +57,12 @@ typedef struct tz_linework_node {
                          border, that lines run along, as if mirrored there */
 } tz_linework_node;
 
-/** By how much a path turns at a place: angle between the ways to the places so far before
+/** By how much a line turns at a place, straight on at crossings: angle between the ways to the places so far before
  * and behind. */
 typedef struct tz_linework_turn {
     tz_vec2 at;
-    float angle[TZ_LINEWORK_LAGS]; /**< 0 .. pi; NAN = the path is too short */
+    float angle[TZ_LINEWORK_LAGS]; /**< 0 .. pi; NAN = the line is too short */
+    float depth;                   /**< way to the border */
 } tz_linework_turn;
 
 typedef struct tz_linework_field {
@@ -101,6 +102,8 @@ typedef struct tz_linework_statistics {
     double nodes[TZ_CURVE_DEGREES];        /**< by degree, [0] = degree 1 */
     double orientation[TZ_LINEWORK_TURNS]; /**< shares of length */
     double turning[TZ_LINEWORK_LAGS][TZ_LINEWORK_ANGLES]; /**< shares */
+    double told
+        [TZ_LINEWORK_LAGS]; /**< share of places where lines are long enough to turn */
     /** Share of places on lines from which the edge goes on for longer than so many
      * steps, either way; NAN where nothing in the window is long enough to tell.
      * @source Kaplan, Meier 1958; for spatial windows Baddeley, Gill 1997 */

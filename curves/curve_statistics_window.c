@@ -12,7 +12,9 @@
 
 #include <string.h>
 
-#define LEAST 0.005 /* share of all places that must be left to tell */
+#define LEAST 0.005        /* share of all places that must be left to tell */
+#define BLUNT (TZ_PI / 45) /* turns that no eye sees as such */
+#define KEEN  (TZ_PI / 18) /* from here on, turns are told apart by their ratio */
 
 typedef struct risk {
     double step, at[TZ_LINEWORK_WAYS + 1], events[TZ_LINEWORK_WAYS];
@@ -140,25 +142,40 @@ static void count_nodes(const tz_linework_field *f, const tz_linework_window *w,
     }
 }
 
+/* Place of a turn among the bins: as an eye tells turns apart. Those of a degree or so are
+ * none, the noise of samples; from some degrees on it is their ratio that counts. */
+static double turn_bin(double angle)
+{
+    const double seen = hypot(angle, BLUNT) - BLUNT;
+    return log1p(seen / KEEN) / log1p((hypot(TZ_PI, BLUNT) - BLUNT) / KEEN) *
+           (TZ_LINEWORK_ANGLES - 1);
+}
+
 static void count_turns(const tz_linework_field *f, const tz_linework_window *w,
                         tz_linework_statistics *out)
 {
+    double all[TZ_LINEWORK_LAGS] = {0};
     for (int32_t i = 0; i < f->turn.n; i++) {
         const tz_linework_turn *t = &f->turn.v[i];
         if (!within(w, t->at))
             continue;
         for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
+            const bool open = (double)t->depth > f->scale.lag[k];
+            all[k] += open;
             if (isnan(t->angle[k]))
                 continue;
-            const double x = sqrt((double)t->angle[k] / TZ_PI) * (TZ_LINEWORK_ANGLES - 1);
+            const double x = turn_bin((double)t->angle[k]);
+            out->told[k] += open;
             const int32_t b =
                 x < TZ_LINEWORK_ANGLES - 2 ? (int32_t)x : TZ_LINEWORK_ANGLES - 2;
             out->turning[k][b] += 1 - (x - b);
             out->turning[k][b + 1] += x - b;
         }
     }
-    for (int k = 0; k < TZ_LINEWORK_LAGS; k++)
+    for (int k = 0; k < TZ_LINEWORK_LAGS; k++) {
         normalise(out->turning[k], TZ_LINEWORK_ANGLES);
+        out->told[k] = all[k] > 0 ? out->told[k] / all[k] : 0;
+    }
 }
 
 static double area_of(const tz_linework_field *f, const tz_linework_window *w)

@@ -386,8 +386,86 @@ static void test_shuffled(void **state)
     const tz_curve_likeness q = compared(&a, &b);
     sound(&q);
     assert_true(q.ends > 3 && q.degrees > 1);
-    assert_true(q.density < 0.1 && q.orientation < 0.1 && q.turning < 0.6);
+    assert_true(q.density < 0.1 && q.orientation < 0.1 && q.turning < 1);
     assert_true(q.patches < 0.9 && q.dangling[1] > 2 * q.dangling[0]);
+    tz_curve_set_deinit(&a);
+    tz_curve_set_deinit(&b);
+}
+
+/* Parallel lines 20 apart that turn by an angle every so far, to and fro, after noise at
+ * every step of 5. */
+static tz_curve_set zigzag(double degrees, double every, double noise)
+{
+    tz_curve_set s = empty_set(400, 400);
+    tz_rng r = tz_rng_make(7, 1);
+    for (int i = 0; i < 20; i++) {
+        tz_vec2 p = {-20, 20 * i + 10};
+        double turned = -degrees * TZ_PI / 360, gone = 0;
+        while (p.x < 420) {
+            const double a = turned + noise * TZ_PI / 180 * tz_rng_normal(&r);
+            const tz_vec2 q = {p.x + 5 * cos(a), p.y + 5 * sin(a)};
+            add_line(&s, p, q, (tz_vec2){0, 0});
+            gone += 5;
+            if (gone >= every) {
+                gone = 0;
+                turned = -turned;
+            }
+            p = q;
+        }
+    }
+    return s;
+}
+
+/* What an eye takes for straight is; kinks of ten degrees are seen, larger ones more. */
+static void test_kinks(void **state)
+{
+    (void)state;
+    tz_curve_set straight = zigzag(0, 20, 0);
+    const struct {
+        double degrees, every, noise, least, most;
+    } list[] = {{0, 20, 0.3, 0, 0.5}, {0, 20, 0.8, 0, 1},      {10, 20, 0, 3, 10},
+                {20, 20, 0, 6, 10},   {10, 100, 0.3, 0.8, 10}, {20, 100, 0.3, 1.6, 10}};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        tz_curve_set bent = zigzag(list[i].degrees, list[i].every, list[i].noise);
+        const tz_curve_likeness q = compared(&straight, &bent);
+        if (!(q.turning >= list[i].least && q.turning <= list[i].most))
+            fail_msg("kinks of %g degrees every %g, noise %g: turning %g",
+                     list[i].degrees, list[i].every, list[i].noise, q.turning);
+        tz_curve_set_deinit(&bent);
+    }
+    tz_curve_set_deinit(&straight);
+}
+
+/* A path that is drawn around corners at junctions is no other pattern than one that is
+ * drawn straight on. */
+static void test_pairing(void **state)
+{
+    (void)state;
+    tz_curve_set a = empty_set(400, 400), b = empty_set(400, 400);
+    for (int i = 0; i < 20; i++) {
+        const double at = 20 * i + 10;
+        add_line(&a, (tz_vec2){at, 0}, (tz_vec2){at, 400}, (tz_vec2){0, 0});
+        add_line(&a, (tz_vec2){0, at}, (tz_vec2){400, at}, (tz_vec2){0, 0});
+        /* stairs: one way, and those between them */
+        for (int k = 0; k < 2; k++) {
+            int32_t last, next;
+            tz_vec2 p = {k ? 0 : at, k ? at : 0};
+            ok(ctx, tz_curve_add_node(&b, p, &last));
+            ok(ctx, tz_curve_begin(&b, 0));
+            for (bool down = !k; p.x < 400 && p.y < 400; down = !down) {
+                const double step = (p.x > 0 && p.y > 0) ? 20 : 10;
+                p = (tz_vec2){fmin(400, p.x + (down ? 0 : step)),
+                              fmin(400, p.y + (down ? step : 0))};
+                ok(ctx, tz_curve_add_node(&b, p, &next));
+                ok(ctx, tz_curve_line(&b, last, next));
+                last = next;
+            }
+            tz_curve_end(&b, false);
+        }
+    }
+    const tz_curve_likeness q = compared(&a, &b);
+    sound(&q);
+    assert_true(q.turning < 0.1 && q.degrees < 0.1 && q.edges < 0.1);
     tz_curve_set_deinit(&a);
     tz_curve_set_deinit(&b);
 }
@@ -737,6 +815,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_left_out, begin, end),
         cmocka_unit_test_setup_teardown(test_damage, begin, end),
         cmocka_unit_test_setup_teardown(test_shuffled, begin, end),
+        cmocka_unit_test_setup_teardown(test_kinks, begin, end),
+        cmocka_unit_test_setup_teardown(test_pairing, begin, end),
         cmocka_unit_test_setup_teardown(test_torus, begin, end),
         cmocka_unit_test_setup_teardown(test_region, begin, end),
         cmocka_unit_test_setup_teardown(test_frames, begin, end),
