@@ -323,9 +323,10 @@ static double most_ends(const tz_finish_limits *l, double length)
 }
 
 /* What a round does. */
-typedef enum stage { MEND, PAIR, RETRACT, DROP } stage;
+typedef enum stage { MEND, PAIR, DROP } stage;
 
-static tz_status do_stage(finishing *f, stage what, double by, tz_net_edit *e)
+static tz_status do_stage(finishing *f, stage what, double by, int32_t through,
+                          tz_net_edit *e)
 {
     const double most = most_ends(&f->limit, e->net->length);
     tz_status s = TZ_OK;
@@ -333,14 +334,14 @@ static tz_status do_stage(finishing *f, stage what, double by, tz_net_edit *e)
     case MEND:
         s = tz_finish_clean(e, &f->limit);
         return s == TZ_OK ? tz_finish_ends(e, &f->limit, most) : s;
-    case PAIR: return tz_finish_pairs(e, &f->limit, by, most);
-    case RETRACT: return tz_finish_retract(e, &f->limit, by, most);
+    case PAIR: return tz_finish_pairs(e, &f->limit, by, through, most);
     default: return tz_finish_drop(e, &f->limit, by, most);
     }
 }
 
 /* One round; `again` where something has been done. */
-static tz_status finish_round(finishing *f, stage what, double by, bool *again)
+static tz_status finish_round(finishing *f, stage what, double by, int32_t through,
+                              bool *again)
 {
     tz_net n = {.ctx = f->ctx};
     tz_net_edit e = {.net = &n};
@@ -354,7 +355,7 @@ static tz_status finish_round(finishing *f, stage what, double by, bool *again)
         f->report.ends[1] = tz_net_ends(&n, f->limit.margin);
         if (f->report.ends[0] < 0)
             f->report.ends[0] = f->report.ends[1];
-        s = do_stage(f, what, by, &e);
+        s = do_stage(f, what, by, through, &e);
         f->left = f->report.ends[1] > most_ends(&f->limit, n.length);
     }
     if (s == TZ_OK)
@@ -381,7 +382,7 @@ static tz_status mend(finishing *f)
     bool again = true;
     tz_status s = TZ_OK;
     for (int k = 0; k < ROUNDS && s == TZ_OK && again; k++) {
-        s = finish_round(f, MEND, 0, &again);
+        s = finish_round(f, MEND, 0, 0, &again);
         /* where no end is right, the last of them are worth a longer way */
         if (!again && !f->limit.gap && k + 1 < ROUNDS && f->limit.reach < 3 * reach &&
             f->left) {
@@ -393,20 +394,20 @@ static tz_status mend(finishing *f)
     return s;
 }
 
-/* Ends that are left where hardly any are right: paired at ever longer ways, then cut back
- * and paired, then away with their lines. */
+/* Ends that are left where hardly any are right: paired at ever longer ways, then across
+ * lines, then away with their lines. */
 static tz_status end_all(finishing *f)
 {
     static const struct {
         stage what;
-        double by;   /* of delta, or a share */
+        double by; /* of delta, or a share */
+        int32_t through;
         bool curved; /* not for drawings of straight lines */
     } plan[] = {
-        {PAIR, 1.5, true},    {PAIR, 3, true},      {RETRACT, 0.3, true},
-        {PAIR, 2, true},      {RETRACT, 0.5, true}, {PAIR, 3, true},
-        {RETRACT, 0.8, true}, {PAIR, 4, true},      {RETRACT, 1.2, true},
-        {PAIR, 6, true},      {DROP, 0.01, false},  {DROP, 0.01, false},
-        {PAIR, 10, true},     {DROP, 0.01, false},
+        {PAIR, 1.5, 0, true}, {PAIR, 3, 0, true},     {PAIR, 2, 1, true},
+        {PAIR, 2, 1, true},   {PAIR, 3, 2, true},     {PAIR, 3, 2, true},
+        {PAIR, 4, 3, true},   {PAIR, 4, 3, true},     {PAIR, 8, 3, true},
+        {PAIR, 8, 3, true},   {DROP, 0.01, 0, false}, {DROP, 0.01, 0, false},
     };
     tz_status s = TZ_OK;
     for (size_t k = 0; k < sizeof plan / sizeof *plan && s == TZ_OK && f->left; k++) {
@@ -415,7 +416,7 @@ static tz_status end_all(finishing *f)
             continue;
         s = finish_round(f, plan[k].what,
                          plan[k].by * (plan[k].what == DROP ? 1 : f->limit.delta),
-                         &again);
+                         plan[k].through, &again);
     }
     return s;
 }

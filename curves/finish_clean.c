@@ -62,23 +62,40 @@ static tz_status add_part(const tz_net_edit *e, tz_curve_set *to, int32_t piece,
     return tz_curve_add_piece(to, &c, &carry);
 }
 
+/* Ends the path and begins another. */
+static tz_status break_path(tz_curve_set *to, int32_t pen)
+{
+    tz_curve_end(to, false);
+    return tz_curve_begin(to, pen);
+}
+
 static tz_status add_piece(const tz_net_edit *e, tz_curve_set *to, int32_t piece,
-                           int32_t *at)
+                           int32_t *at, bool *whole)
 {
     const tz_curve_piece *p = &e->net->set.piece.v[piece];
+    const int32_t pen = e->net->pen[piece];
     double t[2] = {0, 0};
     int32_t node[2] = {e->merged[p->from], 0};
+    bool left_out = false;
     tz_status s = TZ_OK;
     if (e->kept && (e->kept[piece].t[0] > 0 || e->kept[piece].t[1] < 1)) {
         const tz_net_kept *k = &e->kept[piece];
         for (int i = 0; i < 2; i++)
             node[i] = k->node[i] >= 0 ? k->node[i] : e->merged[i ? p->to : p->from];
-        return add_part(e, to, piece, k->t, node);
+        *whole = false;
+        if (k->t[0] > 0)
+            s = break_path(to, pen);
+        if (s == TZ_OK)
+            s = add_part(e, to, piece, k->t, node);
+        return s == TZ_OK && k->t[1] < 1 ? break_path(to, pen) : s;
     }
     for (; *at < e->cut.n && e->cut.v[*at].piece == piece && s == TZ_OK; (*at)++) {
+        const int32_t id = e->cut.v[*at].node;
         t[1] = e->cut.v[*at].t;
-        node[1] = e->cut.v[*at].node;
-        s = add_part(e, to, piece, t, node);
+        node[1] = id < 0 ? ~id : id;
+        s = left_out ? break_path(to, pen) : add_part(e, to, piece, t, node);
+        left_out = id < 0;
+        *whole = *whole && !left_out;
         t[0] = t[1];
         node[0] = node[1];
     }
@@ -100,20 +117,8 @@ static tz_status add_paths(tz_net_edit *e, tz_curve_set *to)
         bool all = true;
         s = tz_curve_begin(to, p->pen);
         for (int32_t k = p->piece; k < p->piece + p->pieces && s == TZ_OK; k++) {
-            const bool begins_cut = e->kept && e->kept[k].t[0] > 0,
-                       ends_cut = e->kept && e->kept[k].t[1] < 1;
             if (!e->gone[k]) {
-                if (begins_cut) {
-                    tz_curve_end(to, false);
-                    s = tz_curve_begin(to, p->pen);
-                }
-                if (s == TZ_OK)
-                    s = add_piece(e, to, k, &at);
-                if (s == TZ_OK && ends_cut) {
-                    tz_curve_end(to, false);
-                    s = tz_curve_begin(to, p->pen);
-                }
-                all = all && !begins_cut && !ends_cut;
+                s = add_piece(e, to, k, &at, &all);
                 continue;
             }
             while (at < e->cut.n && e->cut.v[at].piece == k)

@@ -130,7 +130,8 @@ typedef struct tz_net_edit {
     tz_net_kept *kept; /**< NULL, or per piece; these are not cut */
     int32_t *merged;   /**< per node: the node that it falls together with, or itself */
     TZ_ARRAY(tz_curve_cut)
-    cut; /**< nodes of cuts are new, or those of the set */
+    cut; /**< nodes of cuts are new, or those of the set; ~node: what lies between this
+              cut and the next on the piece goes */
     TZ_ARRAY(tz_vec2)
     node; /**< new: their numbers follow those of the set */
     TZ_ARRAY(tz_net_bridge)
@@ -158,12 +159,10 @@ tz_status tz_finish_end_costs(const tz_net *n, const tz_finish_limits *l,
 tz_status tz_finish_ends(tz_net_edit *e, const tz_finish_limits *l, double most);
 
 /** Ends that are left, where hardly any are right: pairs of them within `reach`, by smooth
- * curves that cross nothing; as many pairs as there are, the shortest first. */
+ * curves that cross no line, or up to `through` of them, with which they change sides; as
+ * many pairs as there are, the shortest first. */
 tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reach,
-                          double most);
-/** The last `way` of lines that end goes, so that there is room to pair them. */
-tz_status tz_finish_retract(tz_net_edit *e, const tz_finish_limits *l, double way,
-                            double most);
+                          int32_t through, double most);
 /** Lines that end go up to the next junction, the shortest first, until that is `share` of
  * all length. */
 tz_status tz_finish_drop(tz_net_edit *e, const tz_finish_limits *l, double share,

@@ -3,8 +3,10 @@
  * before which one of two that end side by side is cut back to the other; the cost is the way of the curve (Hermite, the handles longer the more it turns) over the
  * reach, and more where it turns. Pairs are taken from the cheapest on; then an end that is
  * left takes a partner whose other partner finds a third (augmenting paths of three). What
- * still is left is cut back a little, which makes room, and tried again; in the end, lines
- * that end go as a whole. */
+ * then is left is walled in by other lines. A bridge may cross some of these: where it does
+ * the two change sides, each half of the line goes on as that of the bridge which it turns
+ * to less, so that nothing crosses and nothing ends. In the end, lines that end go as a
+ * whole. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,16 +16,26 @@ enum {
     NEAREST = 12, /* partners that are tried for each end */
     STEPS = 12,   /* chords of a bridge */
     MOST = 20000, /* bridges in one round */
+    PASSES = 3,   /* lines that a bridge crosses, at most */
     MOST_FOUND = 512
 };
-#define TURNING 0.7 /* of the cost, that a turn by pi adds to it */
-#define CUT     0.5 /* times what is cut off */
-#define PENS    1.5 /* times the cost: lines of two pens */
+#define TURNING   0.7 /* of the cost, that a turn by pi adds to it */
+#define MOST_TURN (1.6 * TZ_PI)
+#define PASSING   1   /* a line that is crossed */
+#define STEEP     0.2 /* sine of the angle with it, at least */
+#define APART     0.15 /* of delta: so far from where they would cross lines change sides */
+#define CUT       0.5 /* times what is cut off */
+#define PENS      1.5 /* times the cost: lines of two pens */
 
 typedef struct pair {
     double cost;
-    int32_t a, b;  /* loose ends, by number */
-    double cut[2]; /* lengths that their lines lose first */
+    int32_t a, b;   /* loose ends, by number */
+    double cut[2];  /* lengths that their lines lose first */
+    int32_t passes; /* lines that it crosses, from a on */
+    struct {
+        int32_t piece;
+        double t, u; /* on the piece, on the curve */
+    } pass[PASSES];
     tz_bezier curve;
 } pair;
 
@@ -35,6 +47,7 @@ typedef struct pairing {
     tz_net_edit *edit;
     tz_net *n;
     const tz_finish_limits *l;
+    int32_t through;
     TZ_ARRAY(int32_t)
     loose; /* nodes */
     TZ_ARRAY(pair)
@@ -95,39 +108,64 @@ static bool cross(tz_vec2 p, tz_vec2 q, tz_vec2 r, tz_vec2 s)
     return u >= 0 && u <= 1 && v >= 0 && v <= 1;
 }
 
-/* Whether a chord crosses a line, but for two tails. */
-static bool chord_blocked(const tz_net *n, tz_vec2 p, tz_vec2 q, const tail but[2])
+/* The lines that a chord crosses, but for two tails, into c; false if they are too many or
+ * met too flatly. The chord is that of the curve from u on, du long. */
+static bool pass_chord(const tz_net *n, tz_vec2 p, tz_vec2 q, const tail but[2], double u,
+                       double du, int32_t through, pair *c)
 {
     int32_t id[MOST_FOUND];
-    const tz_vec2 mid = tz_vec2_scale(tz_vec2_add(p, q), 0.5);
-    const double r = tz_vec2_length(tz_vec2_sub(q, p)) / 2 + n->spacing;
+    const tz_vec2 mid = tz_vec2_scale(tz_vec2_add(p, q), 0.5), d = tz_vec2_sub(q, p);
+    const double r = tz_vec2_length(d) / 2 + n->spacing;
     const tz_vec3 in = tz_domain_wrap(&n->set.domain, (tz_vec3){mid.x, mid.y, 0});
     const int32_t found =
         tz_grid_query(&n->grid, (tz_vec2){in.x, in.y}, r, id, MOST_FOUND);
     for (int32_t i = 0; i < found && i < MOST_FOUND; i++) {
         const tz_net_point *v = &n->point.v[id[i]];
-        if (id[i] + 1 >= n->at[v->piece + 1] ||
-            ((in_tail(n, &but[0], v) || in_tail(n, &but[0], v + 1))) ||
-            in_tail(n, &but[1], v) || in_tail(n, &but[1], v + 1))
+        if (id[i] + 1 >= n->at[v->piece + 1] || in_tail(n, &but[0], v) ||
+            in_tail(n, &but[0], v + 1) || in_tail(n, &but[1], v) ||
+            in_tail(n, &but[1], v + 1))
             continue;
         const tz_vec2 from = tz_curve_copy(&n->set.domain, v->at, mid),
-                      to = tz_vec2_add(from, tz_vec2_sub(v[1].at, v->at));
-        if (cross(p, q, from, to))
-            return true;
+                      e = tz_vec2_sub(v[1].at, v->at), to = tz_vec2_add(from, e);
+        if (!cross(p, q, from, to))
+            continue;
+        const double det = d.x * e.y - d.y * e.x;
+        const tz_vec2 f = tz_vec2_sub(from, p);
+        if (c->passes >= through || tz_net_fixed(n, v->piece) ||
+            fabs(det) < STEEP * tz_vec2_length(d) * tz_vec2_length(e))
+            return false;
+        c->pass[c->passes].piece = v->piece;
+        c->pass[c->passes].t = v->t + (f.x * d.y - f.y * d.x) / det * (v[1].t - v->t);
+        c->pass[c->passes++].u = u + (f.x * e.y - f.y * e.x) / det * du;
     }
-    return found > MOST_FOUND;
+    return found <= MOST_FOUND;
 }
 
-static bool clear_way(const tz_net *n, const tz_bezier *c, const tail but[2])
+static void sort_passes(pair *c)
 {
-    tz_vec2 p = c->p[0];
-    for (int k = 1; k <= STEPS; k++) {
-        const tz_vec2 q = tz_bezier_at(c, (double)k / STEPS);
+    for (int i = 1; i < c->passes; i++)
+        for (int j = i; j > 0 && c->pass[j].u < c->pass[j - 1].u; j--) {
+            const double t = c->pass[j].t, u = c->pass[j].u;
+            const int32_t piece = c->pass[j].piece;
+            c->pass[j] = c->pass[j - 1];
+            c->pass[j - 1].t = t, c->pass[j - 1].u = u, c->pass[j - 1].piece = piece;
+        }
+}
+
+/* Whether the curve stays inside and crosses no more lines than it may. */
+static bool clear_way(const pairing *k, pair *c, const tail but[2])
+{
+    const tz_net *n = k->n;
+    tz_vec2 p = c->curve.p[0];
+    c->passes = 0;
+    for (int i = 1; i <= STEPS; i++) {
+        const tz_vec2 q = tz_bezier_at(&c->curve, (double)i / STEPS);
         if (tz_domain_depth(&n->set.domain, (tz_vec3){q.x, q.y, 0}) < 0 ||
-            chord_blocked(n, p, q, but))
+            !pass_chord(n, p, q, but, (i - 1.0) / STEPS, 1.0 / STEPS, k->through, c))
             return false;
         p = q;
     }
+    sort_passes(c);
     return true;
 }
 
@@ -196,8 +234,7 @@ static bool try_pair(const pairing *k, const double cut[2], double reach, pair *
     c->curve =
         connect(p.at, p.out, tz_curve_copy(&n->set.domain, q.at, p.at), q.out, &turn);
     const double length = tz_bezier_length(&c->curve);
-    if (turn > 1.3 * TZ_PI || (own && ea->length < 2 * length) ||
-        !clear_way(n, &c->curve, but))
+    if (turn > MOST_TURN || (own && ea->length < 2 * length) || !clear_way(k, c, but))
         return false; /* it would come back by itself; be hardly a loop; cross something */
     c->cut[0] = cut[0];
     c->cut[1] = cut[1];
@@ -440,26 +477,139 @@ static tz_status cut_back(tz_net_edit *e, int32_t node, double way, int32_t *out
     return s;
 }
 
+static tz_status add_bridge(pairing *k, const tz_bezier *c, int32_t a, int32_t b,
+                            int32_t end, double wa, double wb)
+{
+    const tz_net_bridge bridge = {
+        .node = {a, b}, .curve = *c, .taper = {wa, wb}, .pen = k->n->pen[end >> 1]};
+    return tz_array_push(k->n->ctx, &k->edit->bridge, bridge);
+}
+
+static tz_vec2 heading(const tz_bezier *c, double t)
+{
+    const tz_vec2 d = tz_bezier_slope(c, t);
+    const double size = tz_vec2_length(d);
+    return size > 0 ? tz_vec2_scale(d, 1 / size) : (tz_vec2){1, 0};
+}
+
+/* A line that the bridge crosses at pass i: its two halves on both sides of that, and what
+ * of the bridge is cut out there. */
+typedef struct gap {
+    tz_bezier line;
+    double t[2], u[2]; /* before and behind */
+    tz_vec2 at[2];     /* of t, beside the bridge */
+    int32_t node[2], own[2];
+} gap;
+
+/* False where there is no room. */
+static bool open_gaps(const pairing *k, const pair *c, gap g[PASSES])
+{
+    const tz_net *n = k->n;
+    const double length = tz_bezier_length(&c->curve);
+    double room = APART * k->l->delta;
+    for (int i = 0; i <= c->passes; i++)
+        room = fmin(room, 0.3 * length *
+                              ((i < c->passes ? c->pass[i].u : 1) -
+                               (i > 0 ? c->pass[i - 1].u : 0)));
+    for (int i = 0; i < c->passes; i++) {
+        const int32_t piece = c->pass[i].piece;
+        g[i].line = tz_curve_bezier(&n->set, &n->set.piece.v[piece]);
+        const double size = tz_bezier_length(&g[i].line), t = c->pass[i].t;
+        for (int j = 0; j < i; j++)
+            if (c->pass[j].piece == piece)
+                return false;
+        if (k->edit->used[piece] || k->edit->gone[piece] ||
+            k->edit->kept[piece].t[0] > 0 || k->edit->kept[piece].t[1] < 1)
+            return false;
+        room = fmin(room, 0.7 * size * fmin(t, 1 - t));
+    }
+    for (int i = 0; i < c->passes; i++) {
+        const double size = tz_bezier_length(&g[i].line);
+        const tz_vec2 x = tz_bezier_at(&c->curve, c->pass[i].u);
+        for (int j = 0; j < 2; j++) {
+            g[i].t[j] = c->pass[i].t + (j ? 1 : -1) * room / size;
+            g[i].u[j] = c->pass[i].u + (j ? 1 : -1) * room / length;
+            g[i].at[j] =
+                tz_curve_copy(&n->set.domain, tz_bezier_at(&g[i].line, g[i].t[j]), x);
+        }
+    }
+    return room > 0.02 * k->l->delta;
+}
+
+/* Both halves of the line are led on to those of the bridge that they turn to less. */
+static tz_status switch_sides(pairing *k, const pair *c, int i, gap *g, double w)
+{
+    const tz_net *n = k->n;
+    const int32_t piece = c->pass[i].piece;
+    const tz_vec2 v = heading(&c->curve, c->pass[i].u),
+                  d = heading(&g->line, c->pass[i].t);
+    const bool along = tz_vec2_dot(v, d) > 0;
+    tz_status s = TZ_OK;
+    k->edit->used[piece] = true;
+    for (int j = 0; j < 2 && s == TZ_OK; j++) {
+        s = tz_net_edit_node(k->edit, g->at[j], &g->node[j]);
+        if (s == TZ_OK)
+            s = tz_array_push(
+                n->ctx, &k->edit->cut,
+                ((tz_curve_cut){piece, j ? g->node[j] : ~g->node[j], g->t[j]}));
+        if (s == TZ_OK)
+            s = tz_net_edit_node(k->edit, tz_bezier_at(&c->curve, g->u[j]), &g->own[j]);
+    }
+    for (int j = 0; j < 2 && s == TZ_OK; j++) { /* j: what comes, what goes */
+        const int half = along ? 1 - j : j;
+        double turn;
+        const tz_vec2 from = tz_bezier_at(&c->curve, g->u[j]),
+                      out = heading(&c->curve, g->u[j]),
+                      in = heading(&g->line, g->t[half]);
+        const tz_bezier b = connect(from, j ? tz_vec2_scale(out, -1) : out, g->at[half],
+                                    half ? tz_vec2_scale(in, -1) : in, &turn);
+        s = add_bridge(k, &b, g->own[j], g->node[half], 2 * piece, w, w);
+    }
+    return s;
+}
+
 static tz_status draw(pairing *k, int32_t id)
 {
     const tz_net *n = k->n;
     const pair *c = &k->pair.v[id];
     const int32_t a = k->loose.v[c->a], b = k->loose.v[c->b];
-    tz_net_bridge bridge = {.curve = c->curve,
-                            .taper = {tz_net_width_at(n, a), tz_net_width_at(n, b)},
-                            .pen = n->pen[tz_net_end_at(n, a) >> 1]};
-    tz_status s = cut_back(k->edit, a, c->cut[0], &bridge.node[0]);
+    const int32_t ends[2] = {tz_net_end_at(n, a), tz_net_end_at(n, b)};
+    const double wa = tz_net_width_at(n, a), wb = tz_net_width_at(n, b);
+    gap g[PASSES];
+    int32_t from, to;
+    for (int i = 0; i < 2; i++) /* a line that has been switched is another */
+        if (k->edit->used[ends[i] >> 1])
+            return TZ_OK;
+    if (!open_gaps(k, c, g))
+        return TZ_OK;
+    tz_status s = cut_back(k->edit, a, c->cut[0], &from);
     if (s == TZ_OK)
-        s = cut_back(k->edit, b, c->cut[1], &bridge.node[1]);
+        s = cut_back(k->edit, b, c->cut[1], &to);
+    double u = 0;
+    for (int i = 0; i <= c->passes && s == TZ_OK; i++) {
+        const bool last = i == c->passes;
+        if (!last)
+            s = switch_sides(k, c, i, &g[i], (wa + wb) / 2);
+        const tz_bezier part = tz_bezier_part(&c->curve, u, last ? 1 : g[i].u[0]);
+        if (s == TZ_OK)
+            s = add_bridge(k, &part, from, last ? to : g[i].own[0],
+                           u < 0.5 ? ends[0] : ends[1], i ? (wa + wb) / 2 : wa,
+                           last ? wb : (wa + wb) / 2);
+        if (!last) {
+            from = g[i].own[1];
+            u = g[i].u[1];
+        }
+    }
     k->edit->closed++;
-    return s == TZ_OK ? tz_array_push(n->ctx, &k->edit->bridge, bridge) : s;
+    return s;
 }
 
 tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reach,
-                          double most)
+                          int32_t through, double most)
 {
     tz_net *n = e->net;
-    pairing k = {.edit = e, .n = n, .l = l};
+    pairing k = {
+        .edit = e, .n = n, .l = l, .through = through < PASSES ? through : PASSES};
     double over = tz_net_ends(n, l->margin) - most;
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < n->set.node.n && s == TZ_OK && over > 0; i++)
@@ -498,30 +648,6 @@ tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reac
     tz_array_free(n->ctx, &k.done);
     tz_array_free(n->ctx, &k.drawn);
     tz_free(n->ctx, k.taken);
-    return s;
-}
-
-/* ---- cutting back ------------------------------------------------------------ */
-
-tz_status tz_finish_retract(tz_net_edit *e, const tz_finish_limits *l, double way,
-                            double most)
-{
-    const tz_net *n = e->net;
-    int32_t end;
-    tz_status s = need_kept(e);
-    if (tz_net_ends(n, l->margin) <= most)
-        return s;
-    for (int32_t i = 0; i < n->set.node.n && s == TZ_OK; i++) {
-        if (!tz_net_dangles(n, i, l->margin))
-            continue;
-        const tz_net_edge *d = &n->edge.v[n->edge_of[tz_net_end_at(n, i) >> 1]];
-        const bool both =
-            tz_net_dangles(n, d->from, l->margin) && tz_net_dangles(n, d->to, l->margin);
-        if (d->length < (both ? 2 : 1) * way + l->crumb + way)
-            continue;
-        s = cut_back(e, i, way, &end);
-        e->removed++;
-    }
     return s;
 }
 
