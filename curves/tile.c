@@ -238,7 +238,7 @@ static double angle_to(tz_vec2 a, tz_vec2 b)
 }
 
 /* From port to port a line runs straight on, or as an arc. */
-static double pair_cost(const tiling *t, const port *a, const port *b)
+static double pair_cost(const tiling *t, const port *a, const port *b, bool loosely)
 {
     const tz_vec3 size = t->set.domain.size;
     const tz_vec2 n = normal_of(a->side),
@@ -254,20 +254,24 @@ static double pair_cost(const tiling *t, const port *a, const port *b)
                  last = gap ? angle_to(v, back) / (50 * TZ_PI / 180) : 0;
     const bool arc =
         gap && fabs(first) < 1 && fabs(last) < 1 && fabs(first - last) < 0.7 && off < 2;
-    if (!(wide < 1) || a->color != b->color || !((off < 1 && all < 1) || arc))
+    const bool near = loosely && off < 3 &&
+                      (!gap || (tz_vec2_dot(a->out, v) > 0 && tz_vec2_dot(back, v) > 0));
+    if (!(wide < 1) || a->color != b->color || !((off < 1 && all < 1) || arc || near))
         return INFINITY;
-    return fmin(2, off) + 0.4 * fmin(all, 3) + 0.3 * wide + fabs(first - last);
+    return fmin(3, off) + 0.4 * fmin(all, 3) + 0.3 * wide + fabs(first - last);
 }
 
-static tz_status pair_ports(tiling *t)
+/* @param loosely  what strict pairs have left, if they are most */
+static tz_status pair_ports(tiling *t, bool loosely)
 {
     tz_status st = TZ_OK;
+    t->pair.n = 0;
     for (int32_t i = 0; i < t->port.n; i++)
         for (int32_t j = 0; j < t->port.n && st == TZ_OK; j++) {
             const port *a = &t->port.v[i], *b = &t->port.v[j];
-            if (a->side >= 2 || b->side != a->side + 2)
+            if (a->side >= 2 || b->side != a->side + 2 || a->mate >= 0 || b->mate >= 0)
                 continue;
-            const double cost = pair_cost(t, a, b);
+            const double cost = pair_cost(t, a, b, loosely);
             if (cost < INFINITY)
                 st = tz_array_push(t->ctx, &t->pair, ((pair){cost, i, j}));
         }
@@ -313,7 +317,7 @@ static tz_status open_tiling(tz_ctx *ctx, const tz_curve_set *set, double inset,
     if (st == TZ_OK)
         st = find_ports(t);
     if (st == TZ_OK)
-        st = pair_ports(t);
+        st = pair_ports(t, false);
     tz_free(ctx, before);
     if (st != TZ_OK)
         tiling_deinit(t);
@@ -353,7 +357,7 @@ static tz_status tiling_init(tz_ctx *ctx, const tz_curve_set *set, tiling *t, bo
     *is = may_tile(t, &share);
     if (share == 1)
         return TZ_OK;
-    st = open_tiling(ctx, set, 1.5, &other);
+    st = open_tiling(ctx, set, 1, &other);
     if (st != TZ_OK) {
         tiling_deinit(t);
         return st;
@@ -366,7 +370,11 @@ static tz_status tiling_init(tz_ctx *ctx, const tz_curve_set *set, tiling *t, bo
     } else {
         tiling_deinit(&other);
     }
-    return TZ_OK;
+    if (*is)
+        st = pair_ports(t, true);
+    if (st != TZ_OK)
+        tiling_deinit(t);
+    return st;
 }
 
 /* ---- sewing -------------------------------------------------------------------------- */
