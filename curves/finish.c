@@ -300,7 +300,9 @@ typedef struct finishing {
     tz_ctx *ctx;
     tz_finish_limits limit;
     int32_t pens;     /* of the set; those behind are given */
-    tz_curve_set now; /* the set as a net */
+    tz_curve_set now; /* the set, joined; or else */
+    tz_net net;       /* as a net */
+    bool is_net;
     tz_curve_finish_report report;
     bool changed;
     bool left; /* there were still too many ends as the last round began */
@@ -339,39 +341,53 @@ static tz_status do_stage(finishing *f, stage what, double by, int32_t through,
     }
 }
 
+static tz_status make_net(finishing *f)
+{
+    if (f->is_net)
+        return TZ_OK;
+    const tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta,
+                                    f->limit.margin, &f->net);
+    f->is_net = true; /* also where it failed: it is to be freed */
+    return s;
+}
+
+/* The net, edited, becomes a set again. */
+static tz_status take_edit(finishing *f, tz_net_edit *e)
+{
+    tz_curve_set out = {.ctx = f->ctx};
+    f->report.closed += e->closed;
+    f->report.removed += e->removed;
+    f->changed = true;
+    tz_status s = tz_net_edit_apply(e, &out);
+    if (s == TZ_OK)
+        s = rejoin(&out, f->limit.delta, &f->now);
+    if (s == TZ_OK) {
+        tz_net_deinit(&f->net);
+        f->is_net = false;
+    }
+    return s;
+}
+
 /* One round; `again` where something has been done. */
 static tz_status finish_round(finishing *f, stage what, double by, int32_t through,
                               bool *again)
 {
-    tz_net n = {.ctx = f->ctx};
-    tz_net_edit e = {.net = &n};
-    tz_curve_set out = {.ctx = f->ctx};
-    tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta,
-                              f->limit.margin, &n);
+    tz_net_edit e = {.net = &f->net};
+    tz_status s = make_net(f);
     *again = false;
     if (s == TZ_OK)
-        s = tz_net_edit_init(&n, &e);
+        s = tz_net_edit_init(&f->net, &e);
     if (s == TZ_OK) {
-        f->report.ends[1] = tz_net_ends(&n, f->limit.margin);
+        f->report.ends[1] = tz_net_ends(&f->net, f->limit.margin);
         if (f->report.ends[0] < 0)
             f->report.ends[0] = f->report.ends[1];
+        f->left = f->report.ends[1] > most_ends(&f->limit, f->net.length);
         s = do_stage(f, what, by, through, &e);
-        f->left = f->report.ends[1] > most_ends(&f->limit, n.length);
     }
-    if (s == TZ_OK)
-        s = tz_net_edit_apply(&e, &out);
-    if (s == TZ_OK) {
-        *again = e.closed + e.removed > 0;
-        f->changed = f->changed || *again;
-        f->report.closed += e.closed;
-        f->report.removed += e.removed;
-        if (*again)
-            s = rejoin(&out, f->limit.delta, &f->now);
-        else
-            f->now = out;
-    }
+    *again = s == TZ_OK && e.closed + e.removed > 0;
+    if (*again)
+        s = take_edit(f, &e);
     tz_net_edit_deinit(&e);
-    tz_net_deinit(&n);
     return s;
 }
 
@@ -405,9 +421,9 @@ static tz_status end_all(finishing *f)
         bool curved; /* not for drawings of straight lines */
     } plan[] = {
         {PAIR, 1.5, 0, true}, {PAIR, 3, 0, true},     {PAIR, 2, 1, true},
-        {PAIR, 2, 1, true},   {PAIR, 3, 2, true},     {PAIR, 3, 2, true},
-        {PAIR, 4, 3, true},   {PAIR, 4, 3, true},     {PAIR, 8, 3, true},
-        {PAIR, 8, 3, true},   {DROP, 0.01, 0, false}, {DROP, 0.01, 0, false},
+        {PAIR, 3, 2, true},   {PAIR, 3, 3, true},     {PAIR, 4, 6, true},
+        {PAIR, 6, 6, true},   {PAIR, 8, 6, true},     {DROP, 0.01, 0, false},
+        {PAIR, 10, 6, true},  {DROP, 0.01, 0, false},
     };
     tz_status s = TZ_OK;
     for (size_t k = 0; k < sizeof plan / sizeof *plan && s == TZ_OK && f->left; k++) {
@@ -421,17 +437,15 @@ static tz_status end_all(finishing *f)
     return s;
 }
 
-static tz_status count_ends(finishing *f)
+/* Ends as they are now; the net becomes a set. */
+static tz_status settle(finishing *f)
 {
-    tz_net n = {.ctx = f->ctx};
-    const tz_status s = tz_net_init(f->ctx, &f->now, f->pens, SPACING * f->limit.delta,
-                                    f->limit.margin, &n);
+    const tz_status s = make_net(f);
     if (s == TZ_OK) {
-        f->report.ends[1] = tz_net_ends(&n, f->limit.margin);
-        f->now = n.set;
-        n.set = (tz_curve_set){0};
+        f->report.ends[1] = tz_net_ends(&f->net, f->limit.margin);
+        f->now = f->net.set;
+        f->net.set = (tz_curve_set){.ctx = f->ctx};
     }
-    tz_net_deinit(&n);
     return s;
 }
 
@@ -458,7 +472,7 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
     if (s == TZ_OK && f.left && !f.limit.gap)
         s = end_all(&f);
     if (s == TZ_OK && f.changed)
-        s = count_ends(&f);
+        s = settle(&f);
     if (s == TZ_OK && f.changed)
         s = take_over(&f.now, set);
     if (s == TZ_OK && report)
@@ -466,5 +480,7 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
     tz_finish_limits_deinit(ctx, &f.limit);
     tz_curve_set_deinit(&all);
     tz_curve_set_deinit(&f.now);
+    if (f.is_net)
+        tz_net_deinit(&f.net);
     return s;
 }

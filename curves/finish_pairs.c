@@ -16,7 +16,7 @@ enum {
     NEAREST = 12, /* partners that are tried for each end */
     STEPS = 12,   /* chords of a bridge */
     MOST = 20000, /* bridges in one round */
-    PASSES = 3,   /* lines that a bridge crosses, at most */
+    PASSES = 6,   /* lines that a bridge crosses, at most */
     MOST_FOUND = 512
 };
 #define TURNING   0.7 /* of the cost, that a turn by pi adds to it */
@@ -217,6 +217,50 @@ static place place_at(const tz_net *n, int32_t node, double way)
     return p;
 }
 
+/* A line that the bridge crosses at pass i: its two halves on both sides of that, and what
+ * of the bridge is cut out there. */
+typedef struct gap {
+    tz_bezier line;
+    double t[2], u[2]; /* before and behind */
+    tz_vec2 at[2];     /* of t, beside the bridge */
+    int32_t node[2], own[2];
+} gap;
+
+/* False where there is no room. */
+static bool open_gaps(const pairing *k, const pair *c, gap g[PASSES])
+{
+    const tz_net *n = k->n;
+    const double length = tz_bezier_length(&c->curve);
+    double room = APART * k->l->delta;
+    for (int i = 0; i <= c->passes; i++)
+        room = fmin(room, 0.3 * length *
+                              ((i < c->passes ? c->pass[i].u : 1) -
+                               (i > 0 ? c->pass[i - 1].u : 0)));
+    for (int i = 0; i < c->passes; i++) {
+        const int32_t piece = c->pass[i].piece;
+        g[i].line = tz_curve_bezier(&n->set, &n->set.piece.v[piece]);
+        const double size = tz_bezier_length(&g[i].line), t = c->pass[i].t;
+        for (int j = 0; j < i; j++)
+            if (c->pass[j].piece == piece)
+                return false;
+        if (k->edit->used[piece] || k->edit->gone[piece] ||
+            k->edit->kept[piece].t[0] > 0 || k->edit->kept[piece].t[1] < 1)
+            return false;
+        room = fmin(room, 0.7 * size * fmin(t, 1 - t));
+    }
+    for (int i = 0; i < c->passes; i++) {
+        const double size = tz_bezier_length(&g[i].line);
+        const tz_vec2 x = tz_bezier_at(&c->curve, c->pass[i].u);
+        for (int j = 0; j < 2; j++) {
+            g[i].t[j] = c->pass[i].t + (j ? 1 : -1) * room / size;
+            g[i].u[j] = c->pass[i].u + (j ? 1 : -1) * room / length;
+            g[i].at[j] =
+                tz_curve_copy(&n->set.domain, tz_bezier_at(&g[i].line, g[i].t[j]), x);
+        }
+    }
+    return room > 0.02 * k->l->delta;
+}
+
 /* The pair, when its lines have been cut back so far; false if nothing comes of it. */
 static bool try_pair(const pairing *k, const double cut[2], double reach, pair *c)
 {
@@ -231,10 +275,12 @@ static bool try_pair(const pairing *k, const double cut[2], double reach, pair *
         return false;
     const place p = place_at(n, na, cut[0]), q = place_at(n, nb, cut[1]);
     double turn;
+    gap g[PASSES];
     c->curve =
         connect(p.at, p.out, tz_curve_copy(&n->set.domain, q.at, p.at), q.out, &turn);
     const double length = tz_bezier_length(&c->curve);
-    if (turn > MOST_TURN || (own && ea->length < 2 * length) || !clear_way(k, c, but))
+    if (turn > MOST_TURN || (own && ea->length < 2 * length) || !clear_way(k, c, but) ||
+        !open_gaps(k, c, g))
         return false; /* it would come back by itself; be hardly a loop; cross something */
     c->cut[0] = cut[0];
     c->cut[1] = cut[1];
@@ -490,50 +536,6 @@ static tz_vec2 heading(const tz_bezier *c, double t)
     const tz_vec2 d = tz_bezier_slope(c, t);
     const double size = tz_vec2_length(d);
     return size > 0 ? tz_vec2_scale(d, 1 / size) : (tz_vec2){1, 0};
-}
-
-/* A line that the bridge crosses at pass i: its two halves on both sides of that, and what
- * of the bridge is cut out there. */
-typedef struct gap {
-    tz_bezier line;
-    double t[2], u[2]; /* before and behind */
-    tz_vec2 at[2];     /* of t, beside the bridge */
-    int32_t node[2], own[2];
-} gap;
-
-/* False where there is no room. */
-static bool open_gaps(const pairing *k, const pair *c, gap g[PASSES])
-{
-    const tz_net *n = k->n;
-    const double length = tz_bezier_length(&c->curve);
-    double room = APART * k->l->delta;
-    for (int i = 0; i <= c->passes; i++)
-        room = fmin(room, 0.3 * length *
-                              ((i < c->passes ? c->pass[i].u : 1) -
-                               (i > 0 ? c->pass[i - 1].u : 0)));
-    for (int i = 0; i < c->passes; i++) {
-        const int32_t piece = c->pass[i].piece;
-        g[i].line = tz_curve_bezier(&n->set, &n->set.piece.v[piece]);
-        const double size = tz_bezier_length(&g[i].line), t = c->pass[i].t;
-        for (int j = 0; j < i; j++)
-            if (c->pass[j].piece == piece)
-                return false;
-        if (k->edit->used[piece] || k->edit->gone[piece] ||
-            k->edit->kept[piece].t[0] > 0 || k->edit->kept[piece].t[1] < 1)
-            return false;
-        room = fmin(room, 0.7 * size * fmin(t, 1 - t));
-    }
-    for (int i = 0; i < c->passes; i++) {
-        const double size = tz_bezier_length(&g[i].line);
-        const tz_vec2 x = tz_bezier_at(&c->curve, c->pass[i].u);
-        for (int j = 0; j < 2; j++) {
-            g[i].t[j] = c->pass[i].t + (j ? 1 : -1) * room / size;
-            g[i].u[j] = c->pass[i].u + (j ? 1 : -1) * room / length;
-            g[i].at[j] =
-                tz_curve_copy(&n->set.domain, tz_bezier_at(&g[i].line, g[i].t[j]), x);
-        }
-    }
-    return room > 0.02 * k->l->delta;
 }
 
 /* Both halves of the line are led on to those of the bridge that they turn to less. */
