@@ -1,23 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Patches: windows of the exemplar side by side, row by row, a quarter of each over what
- * is there. Of some windows drawn at random the one is taken whose samples in the overlap
- * fit those there best (the assignment of Eq. (7), positions and numbers of edges); what
- * finds a partner there is not laid again, and elements come as wholes.
- * @source [Tu20] Sec. 4.3.2. Deviates: edges inside a patch, and from it to the partners,
- *   come along, and so do matches: the first search begins with them */
+ * is there. Of some windows the one is taken whose samples in the overlap fit those there
+ * best (the assignment of Eq. (7), positions and numbers of edges); what finds a partner
+ * there is not laid again, and elements come as wholes.
+ *
+ * Windows are drawn so that one sample of the overlap, a junction or an end if possible,
+ * falls on one of the exemplar that has as many edges, and the best is moved by what its
+ * pairs are off on average: a window of a regular pattern that is drawn anywhere fits one
+ * time in a hundred.
+ * @source [Tu20] Sec. 4.3.2. Deviates: windows are drawn to fit; edges inside a patch, and
+ *   from it to the partners, come along, and so do matches: the first search begins with
+ *   them */
 #include <string.h>
 
 #include "base/grid.h"
 #include "curves/synthesis_internal.h"
 
-enum { TRIES = 24, MOST_FOUND = 512 };
+enum { TRIES = 48, PICKS = 16, MOST_FOUND = 512 };
 #define PATCH   2.5  /* radii: side */
 #define OVERLAP 0.25 /* of the side */
+#define ALONE   1.5  /* of the samples' distance: cost of one without a partner */
 #define SAME    0.4  /* of the samples' distance: nearer ones are one */
 
 typedef struct quilt {
     tz_curve_solve *t;
     double side;
+    tz_vec2 step;     /* from patch to patch */
     tz_grid grid;     /* samples of the output */
     int32_t *partner; /* per sample of the exemplar: the output's, -1 = none */
     tz_assign work;
@@ -28,6 +36,7 @@ typedef struct quilt {
 typedef struct window {
     tz_vec2 at, from;
     double frame;
+    bool left, right, above, below; /* what is laid already */
 } window;
 
 static bool inside(tz_vec2 v, double half)
@@ -60,12 +69,24 @@ static int32_t links_of(const tz_curve_solve *t, int32_t s)
                               : t->o.sample.v[s].links;
 }
 
-/* How ill the window fits what is there: per sample in the overlap. */
+/* Whether a place of the window lies in a patch that is laid already. */
+static bool covered(const quilt *k, const window *w, tz_vec2 v)
+{
+    const tz_vec2 to = tz_curve_rotate(v, w->frame),
+                  in = {k->side / 2 - k->step.x, k->side / 2 - k->step.y};
+    return ((w->left && to.x < in.x) || (w->right && -to.x < in.x) ||
+            (w->above && to.y < in.y) || (w->below && -to.y < in.y)) &&
+           tz_curve_solve_depth(
+               k->t, tz_curve_wrapped(k->t->job->domain, tz_vec2_add(w->at, to))) >= 0;
+}
+
+/* How ill the window fits what is there: per sample in the overlap, also those of the
+ * window that have no partner there. */
 static double misfit(quilt *k, const window *w, const tz_vec2 *v, int32_t n)
 {
     const tz_curve_solve *t = k->t;
     const tz_sample_graph *g = &t->x->g;
-    const double d = g->spacing;
+    const double d = t->x->apart;
     tz_assign *a = &k->work;
     a->rows = n;
     a->cols = 0;
@@ -86,8 +107,20 @@ static double misfit(quilt *k, const window *w, const tz_vec2 *v, int32_t n)
             k->there[a->cols++] = j;
     }
     for (int32_t i = 0; i < n; i++)
-        a->exit[i] = (float)(1.5 * d);
-    return n > 0 ? (double)tz_assign_solve(a, false, INFINITY) / n : 0;
+        a->exit[i] = (float)(ALONE * d);
+    if (n == 0)
+        return 0;
+    double sum = (double)tz_assign_solve(a, false, INFINITY);
+    int32_t all = n;
+    for (int32_t j = 0; j < a->cols; j++) {
+        const tz_vec2 p =
+            tz_curve_vector(&g->domain, w->from, g->sample.v[k->there[j]].at);
+        if (a->row[j] >= 0 || !covered(k, w, p))
+            continue;
+        sum += ALONE * d;
+        all++;
+    }
+    return sum / all;
 }
 
 /* ---- laying a patch ----------------------------------------------------------------- */
@@ -183,19 +216,77 @@ static tz_vec2 any_window(const quilt *k, tz_rng *r)
                                       : size.y / 2};
 }
 
-static tz_status fill_place(quilt *k, tz_vec2 at, int32_t place)
+static bool lies_in(const quilt *k, tz_vec2 from)
+{
+    const tz_vec3 size = k->t->x->g.domain.size;
+    const double half = k->side / 2;
+    return k->t->x->g.domain.torus || (from.x >= half && from.x <= size.x - half &&
+                                       from.y >= half && from.y <= size.y - half);
+}
+
+/* A window that puts a sample of the exemplar onto one that is there; anywhere, if none of
+ * those that are drawn does. */
+static tz_vec2 fitting_window(const quilt *k, const tz_vec2 *v, int32_t n, tz_rng *r)
+{
+    const tz_curve_solve *t = k->t;
+    const tz_sample_graph *g = &t->x->g;
+    int32_t i = tz_rng_below(r, n);
+    for (int pick = 0; pick < PICKS && links_of(t, k->here[i]) == 2; pick++)
+        i = tz_rng_below(r, n);
+    for (int pick = 0; pick < 4 * PICKS; pick++) {
+        const int32_t j = tz_rng_below(r, g->sample.n);
+        if (t->x->cut[j] || g->sample.v[j].q != t->o.sample.v[k->here[i]].q ||
+            g->sample.v[j].links != links_of(t, k->here[i]))
+            continue;
+        const tz_vec2 from =
+            tz_curve_wrapped(&g->domain, tz_vec2_sub(g->sample.v[j].at, v[i]));
+        if (lies_in(k, from))
+            return from;
+    }
+    return any_window(k, r);
+}
+
+/* The window moved by the mean of what its pairs are off; misfit() has been called. */
+static tz_vec2 settled(const quilt *k, const window *w, const tz_vec2 *v, int32_t n)
+{
+    const tz_sample_graph *g = &k->t->x->g;
+    tz_vec2 sum = {0, 0};
+    double pairs = 0;
+    for (int32_t i = 0; i < n; i++) {
+        if (k->work.to[i] < 0)
+            continue;
+        const tz_vec2 at = g->sample.v[k->there[k->work.to[i]]].at;
+        sum =
+            tz_vec2_add(sum, tz_vec2_sub(tz_curve_vector(&g->domain, w->from, at), v[i]));
+        pairs++;
+    }
+    const tz_vec2 from = tz_curve_wrapped(
+        &g->domain, tz_vec2_add(w->from, tz_vec2_scale(sum, pairs > 0 ? 1 / pairs : 0)));
+    return lies_in(k, from) ? from : w->from;
+}
+
+static tz_status fill_place(quilt *k, window best, int32_t place)
 {
     tz_curve_solve *t = k->t;
     tz_rng r = tz_rng_make(t->job->seed, tz_rng_stream(0x9a7c4, (uint64_t)place, 0));
-    window best = {at, any_window(k, &r), tz_curve_solve_frame(t, at)};
+    const tz_vec2 at = best.at;
+    best.from = any_window(k, &r);
+    best.frame = tz_curve_solve_frame(t, at);
     tz_vec2 v[TZ_ASSIGN_MOST];
-    const int32_t n = find_here(k, &best, v);
-    double least = INFINITY;
     if (tz_curve_solve_depth(t, at) < -0.7072 * k->side)
         return TZ_OK;
+    const int32_t n = find_here(k, &best, v);
+    double least = INFINITY;
     for (int32_t i = 0; i < TRIES && n > 0; i++) {
-        const window w = {at, any_window(k, &r), best.frame};
-        const double m = misfit(k, &w, v, n);
+        window w = best;
+        w.from = fitting_window(k, v, n, &r);
+        double m = misfit(k, &w, v, n);
+        if (!(m < least))
+            continue;
+        least = m;
+        best = w;
+        w.from = settled(k, &w, v, n);
+        m = misfit(k, &w, v, n);
         if (m < least) {
             least = m;
             best = w;
@@ -215,6 +306,7 @@ tz_status tz_curve_solve_patches(tz_curve_solve *t)
     const double step = k.side * (1 - OVERLAP);
     const double nx = fmax(floor(wide / step + 0.5), 1),
                  ny = fmax(floor(high / step + 0.5), 1);
+    k.step = (tz_vec2){wide / nx, high / ny};
     if (nx * ny > 4e6)
         return tz_fail(t->ctx, TZ_LIMIT,
                        "the domain is %g times as large as a patch of the exemplar; make "
@@ -230,9 +322,14 @@ tz_status tz_curve_solve_patches(tz_curve_solve *t)
         s = grid_rest(&k);
     for (int32_t y = 0; y < (int32_t)ny && s == TZ_OK; y++)
         for (int32_t x = 0; x < (int32_t)nx && s == TZ_OK; x++) {
-            const tz_vec2 at = {-m + (x + 0.5) * wide / nx, -m + (y + 0.5) * high / ny};
+            const window w = {
+                .at = {-m + (x + 0.5) * k.step.x, -m + (y + 0.5) * k.step.y},
+                .left = x > 0,
+                .right = d->torus && x > 0 && x + 1 == (int32_t)nx,
+                .above = y > 0,
+                .below = d->torus && y > 0 && y + 1 == (int32_t)ny};
             s = tz_ctx_cancelled(t->ctx) ? TZ_CANCELLED
-                                         : fill_place(&k, at, y * (int32_t)nx + x);
+                                         : fill_place(&k, w, y * (int32_t)nx + x);
         }
     tz_grid_deinit(t->ctx, &k.grid);
     tz_free(t->ctx, k.partner);
