@@ -299,10 +299,10 @@ static tz_status take_over(const tz_curve_set *from, tz_curve_set *set)
 typedef struct finishing {
     tz_ctx *ctx;
     tz_finish_limits limit;
-    int32_t pens;     /* of the set; those behind are given */
-    tz_curve_set now; /* the set, joined; or else */
-    tz_net net;       /* as a net */
-    bool is_net;
+    int32_t pens;          /* of the set; those behind are given */
+    tz_curve_set now;      /* the set, joined; or else */
+    tz_net net;            /* as a net */
+    bool is_net, is_clean; /* is_clean: there was nothing to clean in this net */
     tz_curve_finish_report report;
     bool changed;
     bool left; /* there were still too many ends as the last round began */
@@ -334,7 +334,7 @@ static tz_status do_stage(finishing *f, stage what, double by, int32_t through,
     tz_status s = TZ_OK;
     switch (what) {
     case MEND:
-        s = tz_finish_clean(e, &f->limit);
+        s = f->is_clean ? TZ_OK : tz_finish_clean(e, &f->limit);
         return s == TZ_OK ? tz_finish_ends(e, &f->limit, most) : s;
     case PAIR: return tz_finish_pairs(e, &f->limit, by, through, most);
     default: return tz_finish_drop(e, &f->limit, by, most);
@@ -351,19 +351,22 @@ static tz_status make_net(finishing *f)
     return s;
 }
 
-/* The net, edited, becomes a set again. */
-static tz_status take_edit(finishing *f, tz_net_edit *e)
+/* The net, edited, becomes a set again; touching: what was added may touch or cross
+ * something. */
+static tz_status take_edit(finishing *f, bool touching, tz_net_edit *e)
 {
     tz_curve_set out = {.ctx = f->ctx};
     f->report.closed += e->closed;
     f->report.removed += e->removed;
     f->changed = true;
     tz_status s = tz_net_edit_apply(e, &out);
-    if (s == TZ_OK)
+    if (s == TZ_OK && touching)
         s = rejoin(&out, f->limit.delta, &f->now);
+    else if (s == TZ_OK)
+        f->now = out;
     if (s == TZ_OK) {
         tz_net_deinit(&f->net);
-        f->is_net = false;
+        f->is_net = f->is_clean = false;
     }
     return s;
 }
@@ -386,7 +389,9 @@ static tz_status finish_round(finishing *f, stage what, double by, int32_t throu
     }
     *again = s == TZ_OK && e.closed + e.removed > 0;
     if (*again)
-        s = take_edit(f, &e);
+        s = take_edit(f, what == MEND && e.closed > 0, &e);
+    else if (s == TZ_OK)
+        f->is_clean = f->is_clean || what == MEND;
     tz_net_edit_deinit(&e);
     return s;
 }

@@ -40,6 +40,7 @@ typedef struct tz_net {
     edge;
     int32_t *edge_of; /**< per piece */
     int32_t *pen;     /**< per piece */
+    double *size;     /**< per piece: its length */
     int32_t parts;
     double spacing; /**< of points, no more */
     TZ_ARRAY(tz_net_point)

@@ -23,8 +23,16 @@ static tz_status list_ends(tz_net *n)
         s = tz_alloc(n->ctx, &n->end, (size_t)ends, sizeof *n->end);
     if (s == TZ_OK)
         s = tz_alloc(n->ctx, &n->pen, (size_t)n->set.piece.n, sizeof *n->pen);
+    if (s == TZ_OK)
+        s = tz_alloc(n->ctx, &n->size, (size_t)n->set.piece.n, sizeof *n->size);
     if (s != TZ_OK)
         return s;
+    for (int32_t i = 0; i < n->set.piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[i]);
+        n->size[i] = n->set.piece.v[i].straight
+                         ? tz_vec2_length(tz_vec2_sub(b.p[3], b.p[0]))
+                         : tz_bezier_length(&b);
+    }
     for (int32_t i = 0; i < ends; i++)
         n->first[node_at(n, i) + 2]++;
     for (int32_t i = 2; i < nodes + 2; i++)
@@ -56,9 +64,8 @@ static tz_status add_edge(tz_net *n, int32_t begin)
     tz_status s = TZ_OK;
     for (int32_t at = begin; at >= 0 && n->edge_of[at >> 1] < 0 && s == TZ_OK;
          at = goes_on(n, at)) {
-        const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[at >> 1]);
         n->edge_of[at >> 1] = n->edge.n;
-        e.length += tz_bezier_length(&b);
+        e.length += n->size[at >> 1];
         e.steps++;
         e.to = node_at(n, at ^ 1);
         s = tz_array_push(n->ctx, &n->step, at);
@@ -115,7 +122,7 @@ static tz_status add_points(tz_net *n, int32_t end, double *along)
 {
     const int32_t piece = end >> 1;
     const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[piece]);
-    const double length = tz_bezier_length(&b);
+    const double length = n->size[piece];
     const int32_t steps = (int32_t)fmin(ceil(length / n->spacing), 4096);
     const int32_t count = steps < 1 ? 1 : steps;
     const bool back = end & 1;
@@ -166,10 +173,9 @@ static tz_status find_points(tz_net *n, double margin)
         double along = 0;
         for (int32_t k = 0; k < n->edge.v[i].steps; k++) {
             const int32_t end = n->step.v[n->edge.v[i].step + k];
-            const tz_bezier b = tz_curve_bezier(&n->set, &n->set.piece.v[end >> 1]);
             begin[end >> 1] = along;
             by[end >> 1] = end;
-            along += tz_bezier_length(&b);
+            along += n->size[end >> 1];
         }
     }
     for (int32_t i = 0; i < n->set.piece.n && s == TZ_OK; i++) {
@@ -215,6 +221,7 @@ void tz_net_deinit(tz_net *n)
     tz_free(n->ctx, n->first);
     tz_free(n->ctx, n->end);
     tz_free(n->ctx, n->pen);
+    tz_free(n->ctx, n->size);
     tz_free(n->ctx, n->edge_of);
     tz_free(n->ctx, n->at);
     tz_array_free(n->ctx, &n->step);
