@@ -46,6 +46,7 @@ typedef struct tz_lines_verdict {
     double length;   /**< of all lines, px */
     double contrast; /**< of lines against their sides, in spreads of what lies between */
     double joined;   /**< share of line ends that meet others */
+    double closed;   /**< share of their length that leads on to lines at both ends */
     char why[128];   /**< "dark lines 3 px wide form 41 cells" */
 } tz_lines_verdict;
 

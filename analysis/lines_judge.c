@@ -84,6 +84,51 @@ tz_status tz_line_joined(const tz_line_graph *g, double *joined)
     return s;
 }
 
+/* Share of the length of lines that is left when loose ends are cut off until there are
+ * none: what runs from line to line, around cells or from border to border. */
+static tz_status closed_share(const tz_line_graph *g, double *closed)
+{
+    tz_line_ends ends;
+    int32_t *degree = NULL, *queue = NULL, n = 0;
+    uint8_t *cut = NULL;
+    double all = 0, left = 0;
+    tz_status s = tz_line_ends_init(g, &ends);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &degree, (size_t)g->node.n, sizeof *degree);
+    if (s == TZ_OK)
+        s = tz_alloc(g->ctx, &queue, (size_t)g->node.n, sizeof *queue);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(g->ctx, &cut, (size_t)g->chain.n, 1);
+    if (s != TZ_OK)
+        goto done;
+    for (int32_t i = 0; i < g->node.n; i++) {
+        degree[i] = tz_line_degree(&ends, i) + at_border(g, g->node.v[i]);
+        if (degree[i] == 1)
+            queue[n++] = i;
+    }
+    for (int32_t k = 0; k < n; k++)
+        for (int32_t e = ends.first[queue[k]]; e < ends.first[queue[k] + 1]; e++) {
+            const int32_t c = ends.end[e] >> 1,
+                          to = g->chain.v[c].node[!(ends.end[e] & 1)];
+            if (cut[c])
+                continue;
+            cut[c] = 1;
+            if (--degree[to] == 1)
+                queue[n++] = to;
+        }
+    for (int32_t i = 0; i < g->chain.n; i++) {
+        all += g->chain.v[i].length;
+        left += cut[i] ? 0 : g->chain.v[i].length;
+    }
+    *closed = all > 0 ? left / all : 0;
+done:
+    tz_line_ends_deinit(g, &ends);
+    tz_free(g->ctx, degree);
+    tz_free(g->ctx, queue);
+    tz_free(g->ctx, cut);
+    return s;
+}
+
 static int32_t root_of(int32_t *up, int32_t i)
 {
     while (up[i] != i) {
@@ -141,6 +186,8 @@ tz_status tz_line_judge(const tz_line_graph *g, const tz_line_picture *picture,
     double strength = 0, width = 0, length = 0, spread = 0;
     int32_t cells = 0;
     tz_status s = tz_line_joined(g, &v->joined);
+    if (s == TZ_OK)
+        s = closed_share(g, &v->closed);
     if (s != TZ_OK)
         return s;
     for (int32_t i = 0; i < g->chain.n; i++) {

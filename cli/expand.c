@@ -5,6 +5,7 @@
 
 #include "cli/exemplars.h"
 #include "cli/expand_curves.h"
+#include "cli/expand_decide.h"
 #include "cli/expand_elements.h"
 #include "cli/expand_plan.h"
 #include "cli/figures.h"
@@ -166,26 +167,20 @@ static tz_status run_edges(tz_cli *cli)
     return s;
 }
 
-/** --as auto: what the photo is made of decides; things come before lines. */
-static tz_status run_decided(tz_cli *cli, const tz_expand_elements_job *job,
-                             const tz_expand_curves_job *curve_job)
+/** --as auto: what the photo is made of decides. */
+static tz_status run_decided(tz_cli *cli, const tz_expand_elements_job *things,
+                             const tz_expand_curves_job *lines)
 {
-    tz_element_exemplar found = {0};
-    tz_curve_exemplar lines = {0};
-    tz_record record = {0}, line_record = {0};
-    bool elements = false, curves = false;
-    tz_status s = tz_expand_decide(cli, job, &record, &found, &elements);
-    if (s == TZ_OK && elements)
-        s = tz_expand_elements(cli, job, &found, &record);
-    tz_element_exemplar_free(cli, &found);
-    tz_record_free(cli, &record);
-    if (s == TZ_OK && !elements)
-        s = tz_expand_decide_curves(cli, curve_job, &line_record, &lines, &curves);
-    if (s == TZ_OK && curves)
-        s = tz_expand_curves(cli, curve_job, &lines, &line_record);
-    tz_curve_exemplar_free(cli, &lines);
-    tz_record_free(cli, &line_record);
-    return s == TZ_OK && !elements && !curves ? run_edges(cli) : s;
+    tz_expand_decision d = {0};
+    tz_status s =
+        tz_expand_decide(cli, lines->lines, things->things, things->analyze->model, &d);
+    const tz_as as = d.as;
+    if (s == TZ_OK && as == TZ_AS_CURVES)
+        s = tz_expand_curves(cli, lines, &d.lines, &d.line_record);
+    else if (s == TZ_OK && as == TZ_AS_ELEMENTS)
+        s = tz_expand_elements(cli, things, &d.things, &d.thing_record);
+    tz_expand_decision_free(cli, &d);
+    return s == TZ_OK && as == TZ_AS_EDGES ? run_edges(cli) : s;
 }
 
 static tz_status run(tz_cli *cli)

@@ -262,22 +262,6 @@ static tz_status save_exemplar(run_state *r)
     return s;
 }
 
-tz_status tz_expand_decide_curves(tz_cli *cli, const tz_expand_curves_job *job,
-                                  tz_record *record, tz_curve_exemplar *found,
-                                  bool *curves)
-{
-    *curves = false;
-    if (cli->operands != 1)
-        return TZ_OK;
-    tz_status s = tz_curve_exemplar_find(cli, cli->operand[0], job->lines, record, found);
-    *curves = s == TZ_OK && found->found.is_lines && found->set.path.n > 0;
-    if (*curves) {
-        tz_figures_text(cli, "as", "curves");
-        tz_figures_text(cli, "why", found->found.why);
-    }
-    return s;
-}
-
 tz_status tz_expand_curves(tz_cli *cli, const tz_expand_curves_job *job,
                            tz_curve_exemplar *found, tz_record *record)
 {

@@ -25,13 +25,7 @@ typedef struct tz_expand_curves_job {
     double grow;
 } tz_expand_curves_job;
 
-/** Decides by what is in the photo whether it is expanded as curves; if so, says why among
- * the figures, and what was found stays in `found`, recorded.
- * @param[in,out] found  zeroed; free with tz_curve_exemplar_free */
-tz_status tz_expand_decide_curves(tz_cli *cli, const tz_expand_curves_job *job,
-                                  tz_record *record, tz_curve_exemplar *found,
-                                  bool *curves);
-/** @param found   what tz_expand_decide_curves has found, which is taken over; NULL = read
+/** @param found   what tz_expand_decide has found, which is taken over; NULL = read
  *    now
  *  @param record  its inputs, taken over; NULL with `found` */
 tz_status tz_expand_curves(tz_cli *cli, const tz_expand_curves_job *job,

@@ -167,21 +167,6 @@ static tz_status save_exemplar(run_state *r)
     return s;
 }
 
-tz_status tz_expand_decide(tz_cli *cli, const tz_expand_elements_job *job,
-                           tz_record *record, tz_element_exemplar *found, bool *elements)
-{
-    tz_things_verdict v;
-    tz_status s = tz_element_exemplar_judge(cli, cli->operand[0], job->things,
-                                            job->analyze->model, record, found, &v);
-    *elements = s == TZ_OK && v.is_things && v.copied > 0 && cli->operands == 1;
-    if (s == TZ_OK) {
-        tz_figures_text(cli, "as", *elements ? "elements" : "edges");
-        tz_figures_text(cli, "why",
-                        cli->operands > 1 ? "several photos mix as edges" : v.why);
-    }
-    return s;
-}
-
 tz_status tz_expand_elements(tz_cli *cli, const tz_expand_elements_job *job,
                              tz_element_exemplar *found, tz_record *record)
 {

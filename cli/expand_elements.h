@@ -24,11 +24,6 @@ typedef struct tz_expand_elements_job {
     double grow;
 } tz_expand_elements_job;
 
-/** Decides by what is in the first photo whether it is expanded as elements, and says why
- * among the figures. Where it is, what was found stays in `found`, recorded.
- * @param[in,out] found  zeroed; free with tz_element_exemplar_free */
-tz_status tz_expand_decide(tz_cli *cli, const tz_expand_elements_job *job,
-                           tz_record *record, tz_element_exemplar *found, bool *elements);
 /** @param found   what tz_expand_decide has found, which is taken over; NULL = read now
  *  @param record  its inputs, taken over; NULL with `found` */
 tz_status tz_expand_elements(tz_cli *cli, const tz_expand_elements_job *job,
