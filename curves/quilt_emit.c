@@ -157,6 +157,17 @@ static tz_bezier mapped(const quilt_patch *p, const tz_bezier *b)
                         quilt_place_at(p, b->p[2]), quilt_place_at(p, b->p[3])}};
 }
 
+/* Where in the exemplar a part of a piece is from. */
+static tz_bezier origin_of(const quilt_source *s, int32_t piece, const tz_bezier *part,
+                           double t0, double t1)
+{
+    if (!s->origin)
+        return *part;
+    const tz_bezier b =
+        tz_curve_bezier(s->original, &s->original->piece.v[s->origin[piece]]);
+    return tz_bezier_part(&b, t0, t1);
+}
+
 /* A part: one bit, or several where it is bent. */
 static tz_status put_part(emitting *e, const quilt_run *run, const quilt_part *part,
                           int32_t from, int32_t to, bool back)
@@ -182,7 +193,7 @@ static tz_status put_part(emitting *e, const quilt_run *run, const quilt_part *p
         const tz_bezier o = tz_bezier_part(&whole, t0, t1);
         bit x = {.patch = run->patch,
                  .b = mapped(p, &o),
-                 .origin = o,
+                 .origin = origin_of(s, part->piece, &o, t0, t1),
                  .straight = straight,
                  .rigid = rigid,
                  .from = from,
@@ -357,51 +368,79 @@ static void drop_stubs(emitting *e)
 
 /* ---- discrete elements --------------------------------------------------------------- */
 
-static tz_status put_elements(emitting *e)
+typedef struct placing {
+    tz_grid grid; /* of what is there */
+    double most;  /* largest radius */
+    TZ_ARRAY(int32_t)
+    patch; /* whose each of them is */
+} placing;
+
+/* Whether an element comes as near to others only as those of one patch do. */
+static bool has_room(const emitting *e, const placing *q, int32_t patch, tz_vec2 at,
+                     double radius)
 {
     enum { MOST = 64 };
-    const tz_element_set *from = &e->s->set->element;
-    tz_grid grid = {0};
-    int32_t near[MOST], id;
-    double most = 0;
-    TZ_ARRAY(int32_t)
-    patch = {0};
-    tz_status st = TZ_OK;
-    for (int32_t i = 0; i < from->element.n; i++)
-        most = fmax(most, from->element.v[i].radius);
-    if (from->element.n == 0 || !(most > 0))
-        return TZ_OK;
-    const tz_vec3 size = e->m->domain->size;
-    st = tz_grid_init(e->ctx, &grid, (tz_vec2){0, 0}, (tz_vec2){size.x, size.y},
-                      fmin(2 * most, fmin(size.x, size.y)), e->m->domain->torus);
-    for (int32_t k = 0; k < e->m->patch.n && st == TZ_OK; k++) {
-        const quilt_patch *p = &e->m->patch.v[k];
-        for (int32_t i = 0; i < from->element.n && p->half.x > 0 && st == TZ_OK; i++) {
-            const tz_element *x = &from->element.v[i];
-            const tz_vec2 at = quilt_place_at(p, (tz_vec2){x->at.x, x->at.y});
-            if (!tz_element_may_copy(x) || quilt_label(e->m, at) != k)
-                continue;
-            const int32_t n = tz_grid_query(&grid, at, 2 * most, near, MOST);
-            bool room = true;
-            for (int32_t j = 0; j < (n < MOST ? n : MOST) && room && patch.v; j++) {
-                const tz_element *y = &e->out->element.element.v[near[j]];
-                const tz_vec3 v =
-                    tz_domain_vector(e->m->domain, y->at, (tz_vec3){at.x, at.y, 0});
-                room = patch.v[near[j]] == k ||
-                       hypot(v.x, v.y) >= 0.85 * (x->radius + y->radius);
-            }
-            if (!room)
-                continue;
-            st = tz_element_set_place(&e->out->element, from, i,
-                                      (tz_vec3){at.x, at.y, x->at.z}, p->angle, 1);
-            if (st == TZ_OK)
-                st = tz_grid_add(e->ctx, &grid, at, &id);
-            if (st == TZ_OK)
-                st = tz_array_push(e->ctx, &patch, k);
-        }
+    int32_t near[MOST];
+    const int32_t n = tz_grid_query(&q->grid, at, 2 * q->most, near, MOST);
+    bool room = true;
+    for (int32_t j = 0; j < (n < MOST ? n : MOST) && room && q->patch.v; j++) {
+        const tz_element *y = &e->out->element.element.v[near[j]];
+        const tz_vec3 v = tz_domain_vector(e->m->domain, y->at, (tz_vec3){at.x, at.y, 0});
+        room = q->patch.v[near[j]] == patch ||
+               hypot(v.x, v.y) >= 0.85 * (radius + y->radius);
     }
-    tz_grid_deinit(e->ctx, &grid);
-    tz_array_free(e->ctx, &patch);
+    return room;
+}
+
+/* Element i where a patch has it, if that is the patch's own place. On an exemplar that is
+ * a torus: each of its copies. */
+static tz_status put_element(emitting *e, placing *q, int32_t patch, int32_t i)
+{
+    const quilt_source *s = e->s;
+    const quilt_patch *p = &e->m->patch.v[patch];
+    const tz_element_set *from = &s->original->element;
+    const tz_element *x = &from->element.v[i];
+    const tz_vec3 size = s->original->domain.size;
+    const int copies = s->original->domain.torus ? 3 : 1;
+    tz_status st = TZ_OK;
+    for (int c = 0; c < copies * copies && st == TZ_OK; c++) {
+        int32_t id;
+        const tz_vec2 in = {x->at.x + c % copies * size.x,
+                            x->at.y + (double)(c / copies) * size.y},
+                      at = quilt_place_at(p, in);
+        if (quilt_label(e->m, at) != patch || !has_room(e, q, patch, at, x->radius))
+            continue;
+        if (copies > 1 && (fabs(in.x - p->from.x) > p->half.x + s->coarse ||
+                           fabs(in.y - p->from.y) > p->half.y + s->coarse))
+            continue; /* around a torus the same cell may be seen twice */
+        st = tz_element_set_place(&e->out->element, from, i,
+                                  (tz_vec3){at.x, at.y, x->at.z}, p->angle, 1);
+        if (st == TZ_OK)
+            st = tz_grid_add(e->ctx, &q->grid, at, &id);
+        if (st == TZ_OK)
+            st = tz_array_push(e->ctx, &q->patch, patch);
+    }
+    return st;
+}
+
+static tz_status put_elements(emitting *e)
+{
+    const tz_element_set *from = &e->s->original->element;
+    const tz_vec3 size = e->m->domain->size;
+    placing q = {.most = 0};
+    for (int32_t i = 0; i < from->element.n; i++)
+        q.most = fmax(q.most, from->element.v[i].radius);
+    if (from->element.n == 0 || !(q.most > 0))
+        return TZ_OK;
+    tz_status st =
+        tz_grid_init(e->ctx, &q.grid, (tz_vec2){0, 0}, (tz_vec2){size.x, size.y},
+                     fmin(2 * q.most, fmin(size.x, size.y)), e->m->domain->torus);
+    for (int32_t k = 0; k < e->m->patch.n && st == TZ_OK; k++)
+        for (int32_t i = 0; i < from->element.n && st == TZ_OK; i++)
+            if (e->m->patch.v[k].half.x > 0 && tz_element_may_copy(&from->element.v[i]))
+                st = put_element(e, &q, k, i);
+    tz_grid_deinit(e->ctx, &q.grid);
+    tz_array_free(e->ctx, &q.patch);
     return st;
 }
 

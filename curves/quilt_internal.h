@@ -3,6 +3,7 @@
  * Inside of quilting. Everything is done on a fine grid of cells over the domain, each of
  * which belongs to one patch and knows which lines run through it:
  *
+ *   quilt_unroll.c  a torus as a plain drawing
  *   quilt_source.c  the exemplar as dabs (points with direction and pen) and as features
  *   quilt_patch.c   candidates for a place, and their exact shift
  *   quilt_seam.c    minimum cut between what lies there and a candidate
@@ -52,6 +53,7 @@ typedef struct quilt_source {
     const tz_curve_set *set;
     const tz_curve_set *original; /* whose pieces origins name */
     int32_t *origin;              /* piece of `original`, per piece; NULL = the same */
+    tz_curve_set unrolled;        /* what `set` is then, if the original is a torus */
     tz_vec2 lo, hi;               /* what may be copied */
     double spacing;               /* mean distance of lines */
     double cell;                  /* side of fine cells */
@@ -148,6 +150,10 @@ typedef enum quilt_state {
 
 /* Width at t of a piece: linear by arc length. */
 double quilt_width_at(const quilt_source *s, int32_t piece, double t);
+/* A torus laid out plain: all copies of pieces that reach 0 .. size. Nodes stay shared.
+ * @param[out] origin  piece of `from`, per piece; caller frees */
+tz_status quilt_unroll(tz_ctx *ctx, const tz_curve_set *from, tz_vec2 size,
+                       tz_curve_set *to, int32_t **origin);
 /* @param domain  that is to be filled */
 tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set, const tz_domain *domain,
                             const tz_curve_quilt_params *p, quilt_source *s);

@@ -241,6 +241,16 @@ static float shift_score(const quilt_source *s, const quilt_window *w, int32_t c
     return sum;
 }
 
+/* Between places of the exemplar; around a torus the short way. */
+static tz_vec2 least_shift(const quilt_source *s, tz_vec2 v)
+{
+    const tz_vec3 size = s->original->domain.size;
+    if (s->original->domain.torus)
+        v = (tz_vec2){v.x - size.x * round(v.x / size.x),
+                      v.y - size.y * round(v.y / size.y)};
+    return v;
+}
+
 /* How much a source is to be avoided: patches near by took theirs from there. */
 static double repeats(const quilt_source *s, const quilt_map *m, const quilt_place *place,
                       tz_vec2 from)
@@ -253,8 +263,9 @@ static double repeats(const quilt_source *s, const quilt_map *m, const quilt_pla
                                            (tz_vec3){place->at.x, place->at.y, 0});
         if (v.x * v.x + v.y * v.y > near * near)
             continue;
-        const tz_vec2 d = tz_vec2_sub(from, q->from),
-                      e = tz_vec2_sub(d, quilt_unturn(q, (tz_vec2){v.x, v.y}));
+        const tz_vec2 d = least_shift(s, tz_vec2_sub(from, q->from)),
+                      e = least_shift(
+                          s, tz_vec2_sub(d, quilt_unturn(q, (tz_vec2){v.x, v.y})));
         if (tz_vec2_dot(d, d) < same * same && tz_vec2_length(e) > 0.1 * s->patch)
             k += 0.5 * (1 - tz_vec2_length(d) / same);
     }

@@ -65,6 +65,9 @@ void quilt_feature_blur(float *feature, float *scratch, int32_t w, int32_t h)
     }
 }
 
+/* How far beyond what may be copied an unrolled torus goes on, of its side. */
+#define THINGS_MOST 0.4
+
 /* ---- measures ----------------------------------------------------------------------- */
 
 static double length_of(const tz_curve_set *s)
@@ -101,8 +104,7 @@ static tz_status measure_boxes(quilt_source *s)
 }
 
 /* What may be copied: the domain without empty margins wider than half the spacing. */
-static void measure(quilt_source *s, const tz_domain *domain,
-                    const tz_curve_quilt_params *p)
+static void measure_border(quilt_source *s)
 {
     const tz_vec3 size = s->set->domain.size;
     tz_vec2 lo = {INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY};
@@ -127,6 +129,30 @@ static void measure(quilt_source *s, const tz_domain *domain,
     const double side = fmin(s->hi.x - s->lo.x, s->hi.y - s->lo.y);
     s->spacing =
         fmin((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / fmax(length, 1e-9), side);
+}
+
+/* A torus has no border: a period may be copied, and what a patch is wide beyond it. */
+static void measure_torus(quilt_source *s, double patch)
+{
+    const tz_vec3 size = s->original->domain.size;
+    const double side = fmin(size.x, size.y);
+    s->lo = (tz_vec2){THINGS_MOST * side, THINGS_MOST * side};
+    s->hi = (tz_vec2){s->lo.x + size.x + patch, s->lo.y + size.y + patch};
+    s->spacing = fmin(size.x * size.y / fmax(length_of(s->original), 1e-9 * side), side);
+}
+
+/* Side of the exemplar that all is measured by. */
+static double side_of(const quilt_source *s)
+{
+    const tz_vec3 size = s->original->domain.size;
+    return s->original->domain.torus ? fmin(size.x, size.y)
+                                     : fmin(s->hi.x - s->lo.x, s->hi.y - s->lo.y);
+}
+
+static void measure(quilt_source *s, const tz_domain *domain,
+                    const tz_curve_quilt_params *p)
+{
+    const double side = side_of(s);
     s->cell = fmin(fmax(s->spacing / 3.5, side / 128), side / 64);
     s->patch = (p->patch > 0 ? p->patch : 0.5) * side;
     if (domain->torus) /* nothing may meet itself around it */
@@ -182,7 +208,7 @@ static void box_things(const quilt_source *s, int32_t *up, thing *t)
                            t[i].hi.x < set->domain.size.x - rim &&
                            t[i].hi.y < set->domain.size.y - rim;
         t[i].is = small && whole;
-        t[i].cut = small && !whole && s->loops;
+        t[i].cut = small && !whole && s->loops && !s->original->domain.torus;
     }
 }
 
@@ -362,8 +388,12 @@ static tz_status make_dabs(quilt_source *s)
 /* Coverage summed from the corner, and spots a cell. */
 static tz_status measure_density(quilt_source *s)
 {
-    const int32_t w = (int32_t)((s->hi.x - s->lo.x) / s->cell) + 1,
-                  h = (int32_t)((s->hi.y - s->lo.y) / s->cell) + 1, fw = s->fx + 1;
+    const tz_vec2 hi = s->original->domain.torus
+                           ? tz_vec2_add(s->lo, (tz_vec2){s->original->domain.size.x,
+                                                          s->original->domain.size.y})
+                           : s->hi;
+    const int32_t w = (int32_t)((hi.x - s->lo.x) / s->cell) + 1,
+                  h = (int32_t)((hi.y - s->lo.y) / s->cell) + 1, fw = s->fx + 1;
     quilt_cell *cell = NULL;
     int64_t spots = 0;
     tz_status st = tz_alloc_zero(s->ctx, &cell, (size_t)w * (size_t)h, sizeof *cell);
@@ -374,6 +404,8 @@ static tz_status measure_density(quilt_source *s)
         goto done;
     for (int32_t i = 0; i < s->dab.n; i++) {
         const quilt_dab *d = &s->dab.v[i];
+        if (d->at.x >= hi.x || d->at.y >= hi.y)
+            continue;
         quilt_spot_add(&cell[(ptrdiff_t)((d->at.y - s->lo.y) / s->cell) * w +
                              (ptrdiff_t)((d->at.x - s->lo.x) / s->cell)],
                        (quilt_spot){0, 0, d->turn, d->pen});
@@ -382,7 +414,7 @@ static tz_status measure_density(quilt_source *s)
         for (int k = 0; k < QUILT_SPOTS; k++)
             spots += cell[i].spot[k].pen != 0;
     s->density = (double)spots / (1 - s->rest) /
-                 ((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y) / (s->cell * s->cell));
+                 ((hi.x - s->lo.x) * (hi.y - s->lo.y) / (s->cell * s->cell));
     for (int32_t y = 0; y < s->fy; y++) {
         double row = 0;
         for (int32_t x = 0; x < s->fx; x++) {
@@ -505,8 +537,17 @@ tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set, const tz_domai
                             const tz_curve_quilt_params *p, quilt_source *s)
 {
     *s = (quilt_source){.ctx = ctx, .set = set, .original = set};
-    tz_status st = measure_boxes(s);
+    tz_status st = TZ_OK;
+    if (set->domain.torus) {
+        measure_torus(s, (p->patch > 0 ? p->patch : 0.5) * side_of(s));
+        st = quilt_unroll(ctx, set, tz_vec2_add(s->hi, s->lo), &s->unrolled, &s->origin);
+        s->set = &s->unrolled;
+    }
+    if (st == TZ_OK)
+        st = measure_boxes(s);
     if (st == TZ_OK) {
+        if (!set->domain.torus)
+            measure_border(s);
         measure(s, domain, p);
         st = find_things(s);
     }
@@ -538,5 +579,7 @@ void quilt_source_deinit(quilt_source *s)
     tz_free(s->ctx, s->rigid);
     tz_free(s->ctx, s->degree);
     tz_free(s->ctx, s->box);
+    tz_free(s->ctx, s->origin);
+    tz_curve_set_deinit(&s->unrolled);
     memset(s, 0, sizeof *s);
 }

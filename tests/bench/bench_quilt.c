@@ -2,13 +2,14 @@
 /* Quilting of curves: bench_quilt [-s SCALE] [-o FOLDER] [-t] [-f] [-p NAME VALUE] DRAWING... prints for each
  * drawing, over SCALE x SCALE times its area, the time, patches, share of crossings joined
  * and the length of lines per area against the exemplar's; -o writes the results, -t makes
- * them tiles, -f finishes them, too. */
+ * them tiles, -f finishes them, too, -n takes no exemplar for a tile. */
 #include "tests/bench/bench.h"
 
 #include "curves/curve_compare.h"
 #include "curves/curve_io.h"
 #include "curves/finish.h"
 #include "curves/quilt.h"
+#include "curves/tile.h"
 
 static double length_per_area(const tz_curve_set *s)
 {
@@ -41,12 +42,21 @@ static void likeness(tz_ctx *ctx, const char *name, const char *what,
 }
 
 static void quilt(tz_ctx *ctx, const char *path, double scale, bool torus, bool finish,
-                  const char *folder, const tz_curve_quilt_params *p)
+                  bool wrap, const char *folder, const tz_curve_quilt_params *p)
 {
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     tz_curve_set set, out;
     tz_curve_quilt_report r;
+    bool tile = false;
     bench_check(ctx, tz_curve_read_svg(ctx, path, NULL, &set));
+    if (wrap)
+        bench_check(ctx, tz_curve_tile_find(ctx, &set, &tile));
+    if (tile) {
+        tz_curve_set joined;
+        bench_check(ctx, tz_curve_tile_join(ctx, &set, &joined));
+        tz_curve_set_deinit(&set);
+        set = joined;
+    }
     const tz_domain d = {
         .size = {scale * set.domain.size.x, scale * set.domain.size.y, 0},
         .torus = torus};
@@ -57,10 +67,11 @@ static void quilt(tz_ctx *ctx, const char *path, double scale, bool torus, bool 
     const double t1 = bench_now(), c1 = bench_cpu();
     bench_check(ctx, tz_curve_set_check(ctx, &out, "out"));
     printf("curves quilt %-26s %g x  %6.2f s  cpu %6.2f s  %4d patches  %6d crossings  "
-           "joined %5.1f %%  length %.3f  paths %d to %d\n",
+           "joined %5.1f %%  length %.3f  paths %d to %d%s\n",
            name, scale, t1 - t0, c1 - c0, r.patches, r.crossings,
            r.crossings ? 100.0 * r.joined / r.crossings : 100.0,
-           length_per_area(&out) / length_per_area(&set), set.path.n, out.path.n);
+           length_per_area(&out) / length_per_area(&set), set.path.n, out.path.n,
+           tile ? "  tile" : "");
     likeness(ctx, name, "quilted", &set, &out);
     if (finish) {
         const double t2 = bench_now();
@@ -83,7 +94,7 @@ int main(int argc, char **argv)
 {
     tz_ctx *ctx = bench_ctx(0);
     double scale = 3;
-    bool torus = false, finish = false;
+    bool torus = false, finish = false, wrap = true;
     const char *folder = NULL;
     tz_curve_quilt_params p;
     tz_params_default(&tz_curve_quilt_param_table, &p);
@@ -98,10 +109,12 @@ int main(int argc, char **argv)
             i += 2;
         } else if (strcmp(argv[i], "-t") == 0)
             torus = true;
+        else if (strcmp(argv[i], "-n") == 0)
+            wrap = false;
         else if (strcmp(argv[i], "-f") == 0)
             finish = true;
         else
-            quilt(ctx, argv[i], scale, torus, finish, folder, &p);
+            quilt(ctx, argv[i], scale, torus, finish, wrap, folder, &p);
     }
     tz_ctx_free(ctx);
     return 0;
