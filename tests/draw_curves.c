@@ -6,15 +6,18 @@
  *   draw_curves starts    -o OUT.svg EXEMPLAR.svg   from noise, and from patches ([Tu20] 14)
  *   draw_curves ablations -o OUT.svg EXEMPLAR.svg   without each of the terms ([Tu20] 16)
  *   draw_curves energy    -o OUT.svg EXEMPLAR.svg   mean energy by iteration of all these
+ *   draw_curves hole      -o OUT.svg EXEMPLAR.svg SHAPE.svg   what lies outside a shape
  *
  * Options: --grow N (sides of the result, of the exemplar's; 2), --seed N, --iterations N.
  * Results run smoothly through their samples, as published: what the optimiser does is
  * what shows. */
 #include "base/svg.h"
+#include "curves/clip.h"
 #include "curves/curve_compare.h"
 #include "curves/curve_io.h"
 #include "curves/reconstruct.h"
 #include "curves/synthesis.h"
+#include "elements/region.h"
 #include "tests/bench/bench.h"
 
 enum { PANEL = 480, GAP = 16, TEXT = 22, MOST_STEPS = 512 };
@@ -199,23 +202,25 @@ static tz_svg_writer open_sheet(tz_ctx *ctx, const options *o, double width,
 }
 
 /* Results side by side behind the exemplar, all at one scale. */
+/* The exemplar and the results, three a row, at one scale. */
 static void draw_results(tz_ctx *ctx, const options *o, const tz_curve_set *exemplar,
                          const result *r, int n)
 {
     const double scale = PANEL / r[0].domain.size.x, tall = r[0].domain.size.y * scale,
                  w0 = exemplar->domain.size.x * scale,
-                 h0 = exemplar->domain.size.y * scale;
-    tz_svg_writer w = open_sheet(ctx, o, w0 + n * (PANEL + GAP), TEXT + fmax(tall, h0));
+                 h0 = exemplar->domain.size.y * scale, row = TEXT + fmax(tall, h0) + GAP;
+    tz_svg_writer w =
+        open_sheet(ctx, o, 3 * (PANEL + GAP) - GAP, (n / 3 + 1) * row - GAP);
     char label[128];
     put_label(&w, 0, 0, "exemplar");
     begin_panel(&w, 0, TEXT, w0, h0, exemplar->domain.size);
     put_set(&w, exemplar, "#203a5a");
     tz_svg_end(&w);
     for (int i = 0; i < n; i++) {
-        const double x = w0 + GAP + i * (PANEL + GAP);
+        const double x = (i + 1) % 3 * (PANEL + GAP), y = (i + 1) / 3 * row;
         snprintf(label, sizeof label, "%s: ratio %.2f", r[i].name, r[i].likeness.mean);
-        put_label(&w, x, 0, label);
-        begin_panel(&w, x, TEXT, PANEL, tall, r[i].domain.size);
+        put_label(&w, x, y, label);
+        begin_panel(&w, x, y + TEXT, PANEL, tall, r[i].domain.size);
         put_set(&w, &r[i].curves, "#203a5a");
         tz_svg_end(&w);
     }
@@ -367,7 +372,7 @@ static void draw_runs(tz_ctx *ctx, const options *o, const char *what, const cha
     bench_check(ctx, tz_alloc_zero(ctx, &r, 5, sizeof *r));
     bench_check(ctx, tz_curve_read_svg(ctx, path, NULL, &exemplar));
     r[n++] = begin_result(o, starts ? "from patches" : "all terms");
-    if (starts || all) {
+    if (!levels) {
         r[n] = begin_result(o, "from noise");
         r[n++].params.start = TZ_CURVE_NOISE;
     }
@@ -393,6 +398,22 @@ static void draw_runs(tz_ctx *ctx, const options *o, const char *what, const cha
     tz_curve_set_deinit(&exemplar);
 }
 
+/* What of a drawing lies outside a shape, as a document. */
+static void draw_hole(tz_ctx *ctx, const options *o, const char *drawing,
+                      const char *shape)
+{
+    tz_curve_set from, to;
+    tz_region *region = NULL;
+    bench_check(ctx, tz_curve_read_svg(ctx, drawing, NULL, &from));
+    bench_check(ctx, tz_region_read(ctx, shape, from.domain.size, false, &region));
+    const tz_curve_window window = {.region = region, .outside = true};
+    bench_check(ctx, tz_curve_clip(ctx, &from, &window, &to));
+    bench_check(ctx, tz_curve_write_svg(ctx, o->out, &to));
+    tz_region_free(region);
+    tz_curve_set_deinit(&to);
+    tz_curve_set_deinit(&from);
+}
+
 int main(int argc, char **argv)
 {
     options o = {.grow = 2, .seed = 1, .iterations = -1, .first = 2};
@@ -409,13 +430,15 @@ int main(int argc, char **argv)
     }
     if (!o.out || o.first >= argc || !(o.grow > 0)) {
         fprintf(stderr,
-                "use: draw_curves sheet|levels|starts|ablations|energy -o OUT.svg "
+                "use: draw_curves sheet|levels|starts|ablations|energy|hole -o OUT.svg "
                 "[--grow N] [--seed N] [--iterations N] DRAWING.svg ...\n");
         return 2;
     }
     tz_ctx *ctx = bench_ctx(0);
     if (strcmp(argv[1], "sheet") == 0)
         draw_sheet(ctx, &o, argc, argv);
+    else if (strcmp(argv[1], "hole") == 0 && o.first + 1 < argc)
+        draw_hole(ctx, &o, argv[o.first], argv[o.first + 1]);
     else
         draw_runs(ctx, &o, argv[1], argv[o.first]);
     tz_ctx_free(ctx);

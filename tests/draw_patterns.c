@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Draws the element exemplars of data/exemplars: draw_patterns FOLDER. Each is a plain SVG
  * that any editor opens: chips of stone, leaves in a current, hearts and dots in rows,
- * noodles. */
+ * noodles; and a palette of garden things to fill shapes with. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -39,7 +39,8 @@ static int scatter(tz_rng *g, const double *radius, int radii, double apart, spo
     return n;
 }
 
-static FILE *begin(const char *folder, const char *name, const char *ground)
+static FILE *begin(const char *folder, const char *name, const char *ground,
+                   const char *more)
 {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.svg", folder, name);
@@ -49,11 +50,11 @@ static FILE *begin(const char *folder, const char *name, const char *ground)
         exit(1);
     }
     fprintf(f,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" "
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" %s"
             "xmlns:xlink=\"http://www.w3.org/1999/xlink\" viewBox=\"0 0 %d %d\">\n"
             "<!-- SPDX-License-Identifier: Apache-2.0 -->\n"
             "<rect width=\"%d\" height=\"%d\" fill=\"%s\"/>\n",
-            SIDE, SIDE, SIDE, SIDE, ground);
+            more, SIDE, SIDE, SIDE, SIDE, ground);
     return f;
 }
 
@@ -74,7 +75,7 @@ static void chips(const char *folder)
     tz_rng g = tz_rng_make(1, 1);
     spot s[MOST];
     const int n = scatter(&g, radius, 3, 1.12, s);
-    FILE *f = begin(folder, "chips", "#efe8dc");
+    FILE *f = begin(folder, "chips", "#efe8dc", "");
     for (int i = 0; i < n; i++) {
         const int corners = 5 + (int)(3 * tz_rng_unit(&g));
         const double turn = between(&g, 0, 2 * TZ_PI), flat = between(&g, 0.62, 0.95),
@@ -100,7 +101,7 @@ static void leaves(const char *folder)
     tz_rng g = tz_rng_make(2, 1);
     spot s[MOST];
     const int n = scatter(&g, radius, 2, 0.92, s);
-    FILE *f = begin(folder, "current", "#f4f1e6");
+    FILE *f = begin(folder, "current", "#f4f1e6", "");
     fputs("<defs>\n"
           "<symbol id=\"willow\" overflow=\"visible\"><path fill=\"#4d7a4a\" "
           "d=\"M-20 0C-10 -8 8 -8 20 0C8 8 -10 8 -20 0Z\"/>"
@@ -129,7 +130,7 @@ static void leaves(const char *folder)
 /** Hearts and dots in rows, each heart with four dots about it. */
 static void rows(const char *folder)
 {
-    FILE *f = begin(folder, "hearts", "#2f3e55");
+    FILE *f = begin(folder, "hearts", "#2f3e55", "");
     fputs("<defs><symbol id=\"heart\" overflow=\"visible\"><path fill=\"#e2695c\" "
           "d=\"M0 13C-17 0 -12 -12 -5 -11C-2 -10.500 0 -8 0 -6C0 -8 2 -10.500 5 -11C12 "
           "-12 17 0 0 13Z\"/></symbol>"
@@ -154,7 +155,7 @@ static void rows(const char *folder)
 static void noodles(const char *folder)
 {
     tz_rng g = tz_rng_make(4, 1);
-    FILE *f = begin(folder, "noodles", "#6d2f2a");
+    FILE *f = begin(folder, "noodles", "#6d2f2a", "");
     for (int j = 0; j < 22; j++)
         for (int i = 0; i < 5; i++) {
             const double x = 96 * i + (j % 2 ? 48 : 0) + between(&g, -6, 6) + 6,
@@ -168,6 +169,46 @@ static void noodles(const char *folder)
     end(f);
 }
 
+/** A palette: things that lie apart, each along the direction that it is to follow, and
+ * their mix. */
+static void garden(const char *folder)
+{
+    static const struct {
+        const char *name, *shape;
+        int x, y;
+    } thing[] = {
+        {"leaf",
+         "<path fill='#4d7a4a' d='M-27 0C-14 -12 8 -12 27 0C8 12 -14 12 -27 0Z'/>"
+         "<path fill='none' stroke='#dfe8c8' stroke-width='1.4' d='M-22 0L20 0'/>",
+         90, 80},
+        {"sprig", "<path fill='#8aa64f' d='M-20 0C-11 -8 6 -8 20 0C6 8 -11 8 -20 0Z'/>",
+         240, 80},
+        {"petal",
+         "<path fill='#e2695c' d='M-17 0C-8 -2 -2 -11 8 -10C20 -9 20 9 8 10C-2 11 -8 2 "
+         "-17 "
+         "0Z'/><path fill='#f4b6a4' d='M2 -4C9 -5 12 -3 12 0C12 3 9 5 2 4C5 2 5 -2 2 "
+         "-4Z'/>",
+         390, 80},
+        {"ribbon", "<path fill='#2f6f7e' d='M-56 -5L50 -5L56 0L50 5L-56 5L-50 0Z'/>", 110,
+         240},
+        {"bead", "<circle r='8' fill='#d9a441'/>", 270, 240},
+        {"berry", "<circle r='5' fill='#7a2f45'/>", 390, 240},
+    };
+    FILE *f = begin(folder, "garden", "#faf6ea",
+                    "xmlns:tz=\"https://terrazzo.example/ns/1\" "
+                    "tz:mix=\"leaf:3, sprig:3, petal:2, ribbon:1 rigidity=5, bead:3, "
+                    "berry:4\" ");
+    fputs("<defs>\n", f);
+    for (size_t i = 0; i < sizeof thing / sizeof *thing; i++)
+        fprintf(f, "<symbol id=\"%s\" overflow=\"visible\">%s</symbol>\n", thing[i].name,
+                thing[i].shape);
+    fputs("</defs>\n", f);
+    for (size_t i = 0; i < sizeof thing / sizeof *thing; i++)
+        fprintf(f, "<use xlink:href=\"#%s\" x=\"%d\" y=\"%d\"/>\n", thing[i].name,
+                thing[i].x, thing[i].y);
+    end(f);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -178,5 +219,6 @@ int main(int argc, char **argv)
     leaves(argv[1]);
     rows(argv[1]);
     noodles(argv[1]);
+    garden(argv[1]);
     return 0;
 }

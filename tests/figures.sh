@@ -4,6 +4,7 @@
 #
 #   tests/figures.sh BUILDDIR [PHOTOS [OUT]]
 #
+# With FIGURES="curves fields" in the environment it makes those of these pages only.
 # OUT is where the pictures go, default docs/figures.
 # PHOTOS is a folder with CC0 photos by the names below; default ../shared/exemplars/photos
 # beside the repository. A photo that is not there is replaced by one of the demo's CC0
@@ -67,6 +68,12 @@ brick=$(photo brick brick bricks)
 pavement=$(photo cobblestone_pavement brick bricks)
 slate=$(photo veined_slate mud mud)
 moss=$(photo moss_ground grass leaves)
+
+parts=${FIGURES-}
+for part in $parts; do
+    . "$here/figures_$part.sh"
+done
+[ -z "$parts" ] || exit 0
 
 # ---- README ----------------------------------------------------------------------------
 # block X Y NAME : exemplar, below it a part of the texture at full size, and the texture
@@ -279,5 +286,8 @@ tz expand "$onyx" -o onyx.png --size 2048x2048 --seed 7 --crop 700,700,512,512
 labels="an exemplar in perspective|its rows meet at odd places"
 sheet limits 3 512x512 "$labels|long bands break off at seams" \
     "$brick" limit1.png onyx.png
+
+. "$here/figures_curves.sh"
+. "$here/figures_fields.sh"
 
 du -ch "$out"/* | tail -1
