@@ -59,7 +59,7 @@ void tz_fill_end(tz_fill *f)
                          f->edge_to,   f->edge_w,   f->hit_start,  f->hit_count,
                          f->hit_to,    f->hit_w,    f->link_count, f->diag,
                          f->rank,      f->gradient, f->step,       f->kept,
-                         f->block,     f->work,     f->pressure};
+                         f->block,     f->work,     f->pressure,   f->prior};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         tz_free(ctx, all[i]);
     tz_free(ctx, f);
@@ -134,6 +134,7 @@ tz_status tz_fill_begin(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *lay
     f->seed = job->seed;
     f->job = *job;
     f->stale = true;
+    f->calm = 1;
     what_is_said(f);
     s = tz_power_new(ctx, &f->domain, &f->power);
     if (s == TZ_OK)
@@ -277,6 +278,9 @@ static tz_status iterate_all(tz_fill *f)
     tz_status s = TZ_OK;
     tz_progress_begin(f->ctx, "fill", "iterations", n);
     for (int32_t k = 0; k < n && s == TZ_OK; k++) {
+        const double late = (k - 0.6 * n) / (0.4 * n);
+        if (f->par.start == TZ_FILL_INSERT && late > 0)
+            f->calm = exp(-3 * late);
         s = tz_fill_iterate(f, 1, NULL);
         if (s == TZ_OK && f->par.start == TZ_FILL_INSERT && k % 5 == 4 && k < 0.7 * n) {
             s = tz_fill_diagram(f);
@@ -286,6 +290,7 @@ static tz_status iterate_all(tz_fill *f)
         tz_progress_add(f->ctx, 1);
     }
     tz_progress_end(f->ctx);
+    f->calm = 1;
     return s;
 }
 

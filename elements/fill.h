@@ -127,7 +127,8 @@ TZ_API tz_status tz_fill_settle(tz_fill *f, int32_t iterations);
 
 typedef struct tz_fill_report {
     int32_t elements, samples, entries, iterations;
-    int32_t moved, shrunk, dropped, inserted; /**< by repair and teleportation */
+    int32_t moved, shrunk, dropped, inserted; /**< by repair and teleportation; shrunk
+                                                   by over 2 % */
     double covered; /**< share of the domain's area, by outlines */
     double overlap; /**< area that two things share, over the things' area */
     double align;   /**< mean angle to strokes under them, radians */

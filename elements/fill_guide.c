@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sizes and densities between strokes, before there is anything that has them: harmonic
- * between what is said, on a coarse grid. That is what the scale step settles to, so that
+/* Directions, sizes and densities between strokes, before there is anything that has them:
+ * harmonic between what is said, on a coarse grid. That is what the scale step settles to, so that
  * counts, and where things are thrown, suit the sizes that they will have. (The nearest
  * stroke's size, everywhere, would put far too many where sizes change.) */
 #include <string.h>
@@ -18,12 +18,18 @@ static const tz_element_field_cell *cell_at(const tz_fill *f, tz_vec3 at, int wh
     return n < 0 || (!far && n != i) ? NULL : &f->field->cell[n];
 }
 
-static double value_of(const tz_element_field_cell *c, int what)
+/* What a map holds, and which of the field's three says it. */
+enum { COSINE, SINE, SIZE, RHO };
+static const int said_by[] = {0, 0, 1, 2};
+
+static double value_of(const tz_element_field_cell *c, int map)
 {
-    return what == 1 ? (double)c->size : 1 - (double)c->density;
+    const double v[] = {(double)c->x, (double)c->y, (double)c->size,
+                        1 - (double)c->density};
+    return v[map];
 }
 
-/* Mean of what is said in a cell of the grid; < 0 = nothing. */
+/* Mean of what is said in a cell of the grid; HUGE_VAL = nothing. */
 static double said_in(const tz_fill *f, int32_t x, int32_t y, int what)
 {
     enum { FEW = 4 };
@@ -33,11 +39,11 @@ static double said_in(const tz_fill *f, int32_t x, int32_t y, int what)
         const tz_vec3 at = {(x + (k % FEW + 0.5) / FEW) * f->domain.size.x / g->width,
                             (y + (k / FEW + 0.5) / FEW) * f->domain.size.y / g->height,
                             0};
-        const tz_element_field_cell *c = cell_at(f, at, what, false);
+        const tz_element_field_cell *c = cell_at(f, at, said_by[what], false);
         if (c)
             sum += value_of(c, what), n++;
     }
-    return n > 0 ? sum / n : -1;
+    return n > 0 ? sum / n : HUGE_VAL;
 }
 
 static tz_vec3 middle_of(const tz_fill *f, int32_t x, int32_t y)
@@ -86,8 +92,9 @@ static tz_status make_map(tz_fill *f, int what, double **map)
         const int32_t x = i % g->width, y = i / g->width;
         const double said = said_in(f, x, y, what);
         const tz_vec3 at = middle_of(f, x, y);
-        state[i] = said >= 0 ? 2 : tz_domain_contains(&f->domain, at);
-        (*map)[i] = said >= 0 ? said : value_of(cell_at(f, at, what, true), what);
+        state[i] = said < HUGE_VAL ? 2 : tz_domain_contains(&f->domain, at);
+        (*map)[i] =
+            said < HUGE_VAL ? said : value_of(cell_at(f, at, said_by[what], true), what);
         lo = fmin(lo, (*map)[i]), hi = fmax(hi, (*map)[i]);
     }
     if (s == TZ_OK)
@@ -102,6 +109,7 @@ void tz_fill_guide_deinit(tz_fill *f)
 {
     tz_free(f->ctx, f->guide.size);
     tz_free(f->ctx, f->guide.rho);
+    tz_free(f->ctx, f->guide.x), tz_free(f->ctx, f->guide.y);
     f->guide = (tz_fill_guide){0};
 }
 
@@ -114,10 +122,14 @@ tz_status tz_fill_guide_init(tz_fill *f)
     g->width = (int32_t)fmax(1, ceil(size.x / cell - 1e-9));
     g->height = (int32_t)fmax(1, ceil(size.y / cell - 1e-9));
     g->least = 1;
-    if (f->any_size)
-        s = make_map(f, 1, &g->size);
+    if (f->any_direction)
+        s = make_map(f, COSINE, &g->x);
+    if (s == TZ_OK && f->any_direction)
+        s = make_map(f, SINE, &g->y);
+    if (s == TZ_OK && f->any_size)
+        s = make_map(f, SIZE, &g->size);
     if (s == TZ_OK && f->any_density)
-        s = make_map(f, 2, &g->rho);
+        s = make_map(f, RHO, &g->rho);
     for (int32_t i = 0; i < g->width * g->height && s == TZ_OK; i++) {
         const double v = (g->size ? g->size[i] : 1) * (1 + (g->rho ? g->rho[i] : 0));
         g->least = i == 0 ? v : fmin(g->least, v);
@@ -132,7 +144,7 @@ static double look_up(const tz_fill *f, const double *map, tz_vec3 at, int what)
 {
     const tz_fill_guide *g = &f->guide;
     at = tz_domain_wrap(&f->domain, at);
-    const tz_element_field_cell *c = cell_at(f, at, what, false);
+    const tz_element_field_cell *c = cell_at(f, at, said_by[what], false);
     if (c)
         return value_of(c, what);
     const double x = at.x / f->domain.size.x * g->width - 0.5,
@@ -146,12 +158,31 @@ static double look_up(const tz_fill *f, const double *map, tz_vec3 at, int what)
     return (p[i] * (1 - u) + p[i1] * u) * (1 - v) + (q[i] * (1 - u) + q[i1] * u) * v;
 }
 
+double tz_fill_direction(const tz_fill *f, tz_vec3 at, tz_vec2 *v)
+{
+    *v = (tz_vec2){1, 0};
+    if (!f->guide.x || !f->guide.y)
+        return 0;
+    const double x = look_up(f, f->guide.x, at, COSINE),
+                 y = look_up(f, f->guide.y, at, SINE), l = hypot(x, y);
+    if (l > 0)
+        *v = (tz_vec2){x / l, y / l};
+    return fmin(l, 1);
+}
+
+double tz_fill_angle(const tz_fill *f, tz_vec3 at)
+{
+    tz_vec2 v;
+    tz_fill_direction(f, at, &v);
+    return atan2(v.y, v.x);
+}
+
 double tz_fill_size(const tz_fill *f, tz_vec3 at)
 {
-    return f->guide.size ? look_up(f, f->guide.size, at, 1) : 1;
+    return f->guide.size ? look_up(f, f->guide.size, at, SIZE) : 1;
 }
 
 double tz_fill_rho(const tz_fill *f, tz_vec3 at)
 {
-    return f->guide.rho ? look_up(f, f->guide.rho, at, 2) : 0;
+    return f->guide.rho ? look_up(f, f->guide.rho, at, RHO) : 0;
 }

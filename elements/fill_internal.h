@@ -101,10 +101,10 @@ typedef struct tz_fill_link {
     double wc, wr; /**< continuity, times how often; rigidity */
 } tz_fill_link;
 
-/** Sizes and densities between strokes, on a coarse grid; NULL = nothing is said. */
+/** Directions, sizes and densities between strokes, on a coarse grid; NULL = nothing is said. */
 typedef struct tz_fill_guide {
     int32_t width, height;
-    double *size, *rho;
+    double *size, *rho, *x, *y;
     double least; /**< of size * (1 + rho) */
 } tz_fill_guide;
 
@@ -152,6 +152,7 @@ struct tz_fill {
     double *third;  /**< key of the third nearest */
     double *target; /**< m: direction said; size, density said */
     double *target_c, *target_rho, *confident, *said_c, *said_rho;
+    double *prior; /**< confidence of directions between strokes */
     int32_t *link_start, *link_count;
     TZ_ARRAY(tz_fill_link)
     link;
@@ -165,6 +166,7 @@ struct tz_fill {
     double *work;
     double *pressure; /**< a sample: sum of what it lacks */
     double lambda;
+    double calm; /**< factor of Eq. (1); 1 as published */
     int32_t iteration;
     int32_t moved, shrunk, dropped, inserted;
 };
@@ -235,13 +237,14 @@ typedef struct tz_fill_gap {
 } tz_fill_gap;
 tz_status tz_fill_gaps(tz_fill *f, double least, int32_t most, tz_fill_gap **out,
                        int32_t *n);
-/** What the field says of directions at the nearest place where it speaks. */
-double tz_fill_angle(const tz_fill *f, tz_vec3 at, bool *said);
 
 /* fill_guide.c */
 tz_status tz_fill_guide_init(tz_fill *f);
 void tz_fill_guide_deinit(tz_fill *f);
-/** Size and 1 - density, as said there or harmonic between. */
+/** Direction, size and 1 - density, as said there or harmonic between. */
+double tz_fill_angle(const tz_fill *f, tz_vec3 at);
+/** The same as a unit vector; returns how much strokes about agree, 0 .. 1. */
+double tz_fill_direction(const tz_fill *f, tz_vec3 at, tz_vec2 *v);
 double tz_fill_size(const tz_fill *f, tz_vec3 at);
 double tz_fill_rho(const tz_fill *f, tz_vec3 at);
 

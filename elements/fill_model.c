@@ -118,6 +118,30 @@ static tz_vec2 turned(tz_vec2 p, double angle, double scale)
     return (tz_vec2){c * p.x - s * p.y, s * p.x + c * p.y};
 }
 
+/* Rows of discs interlock where the outline bulges out between them: each grows by what
+ * its part of the outline lies beyond it in the mean, but little, for tips do so, too. */
+static void grow_discs(tz_fill_model *m)
+{
+    const double most = 0.15;
+    double off[TZ_COVER_DISCS] = {0};
+    int32_t n[TZ_COVER_DISCS] = {0};
+    for (int32_t k = 0; k < m->borders; k++) {
+        int32_t best = 0;
+        double least = HUGE_VAL;
+        for (int32_t i = 0; i < m->n; i++) {
+            const double d =
+                hypot(m->border[k].x - m->rest[i].x, m->border[k].y - m->rest[i].y) -
+                m->radius[i];
+            if (d < least)
+                least = d, best = i;
+        }
+        off[best] += fmax(least, 0), n[best]++;
+    }
+    for (int32_t i = 0; i < m->n; i++)
+        if (n[i] > 0)
+            m->radius[i] += fmin(off[i] / n[i], most * m->radius[i]);
+}
+
 /* Discs, graph and border of a symbol turned and scaled. */
 static tz_status make_shape(tz_ctx *ctx, const tz_element_symbol *y, int32_t discs,
                             tz_fill_model *m)
@@ -144,6 +168,7 @@ static tz_status make_shape(tz_ctx *ctx, const tz_element_symbol *y, int32_t dis
     if (s == TZ_OK) {
         m->area = m->cover.area;
         take_graph(m);
+        grow_discs(m);
         for (int32_t k = 0; k < m->borders; k++) {
             double off = HUGE_VAL;
             for (int32_t i = 0; i < m->n; i++)
@@ -311,6 +336,7 @@ tz_status tz_fill_reserve(tz_fill *f, int32_t samples)
     GROW(target_c, 1)
     GROW(target_rho, 1)
     GROW(confident, 1)
+    GROW(prior, 1)
     GROW(said_c, 1)
     GROW(said_rho, 1)
     GROW(link_start, 1)
@@ -379,6 +405,7 @@ tz_status tz_fill_add_body(tz_fill *f, int32_t model, tz_vec3 at, double angle, 
         const int32_t i = f->n + k;
         f->radius[i] = m->radius[k] * size;
         f->rho[i] = 0;
+        f->confident[i] = f->prior[i] = 0;
         f->owner[i] = *out;
         f->node[i] = m->rigidity >= TZ_FILL_RIGID ? f->n : i;
     }

@@ -12,6 +12,8 @@
  *     shift changes; without it bodies of unequal discs swim through the domain;
  *   - samples of a rigid body have one step together, so that pushes between bodies are
  *     equal and opposite however many discs they have, for the same reason;
+ *   - toward the end the first sum weighs less and less (tz_fill.calm): evenness has been
+ *     reached, and what is left is to keep things apart;
  *   - fixed samples are laid along the border there; here its nearest point is one, found
  *     anew each time, which is the same for samples laid infinitely dense.
  *
@@ -129,7 +131,7 @@ static void add_sample(const place_run *t, int32_t s, double *g, double *diag,
 {
     tz_fill *f = t->f;
     const tz_vec3 c = to_centre(t, s);
-    const double a = t->cells->area[s] * t->per_area;
+    const double a = f->calm * t->cells->area[s] * t->per_area;
     double k[3];
     g[0] += a * c.x, g[1] += a * c.y, g[2] += a * c.z;
     *diag += a;
@@ -188,7 +190,8 @@ static void measure_after(void *arg, int32_t from, int32_t to, double sums[4])
         const int32_t s = f->live_sample.v[j];
         const double *d = f->step + (ptrdiff_t)f->node[s] * m;
         const tz_vec3 c = to_centre(t, s);
-        const double g[3] = {c.x, c.y, c.z}, a = t->cells->area[s] * t->per_area;
+        const double g[3] = {c.x, c.y, c.z},
+                     a = f->calm * t->cells->area[s] * t->per_area;
         double k[3], h[3], lack;
         const bool border = lacks_border(f, s, k);
         for (int i = 0; i < m; i++) {

@@ -5,10 +5,15 @@
  * point of each pair pushes both apart along the slope there, by half of its depth each,
  * and turns a rigid body a little:
  *
- *   1. rounds of pushes, until nothing overlaps or they are used up;
- *   2. what still overlaps shrinks, step by step, to no less than LEAST of its size;
- *   3. what still does leaves;
- *   4. where an empty disc holds a thing of the mix (and the count is free), one comes.
+ *   1. rounds of pushes, first with a margin, which evens the gaps, then until nothing
+ *      overlaps or they no longer help;
+ *   2. where many are jammed one leaves, and the rest is pushed again;
+ *   3. what still overlaps shrinks, step by step, to no less than LEAST of its size;
+ *   4. what still does leaves;
+ *   5. where a thing of the mix can be pushed into an empty place (and the count is free),
+ *      one comes.
+ *
+ * Directions are the artist's: a body turns by HELD at most.
  * @source the rounds: Mueller et al., Position based dynamics, 2007 */
 #include <stdlib.h>
 #include <string.h>
@@ -16,9 +21,21 @@
 #include "base/rng.h"
 #include "elements/fill_internal.h"
 
-enum { ROUNDS = 48, AGAIN = 12, SHRINKS = 12, STREAM_GAP = 0xf1e20 };
-#define LEAST 0.8
-#define DEEP  0.004 /* of the largest disc: no contact yet */
+enum {
+    WIDE = 20,    /* rounds with a margin */
+    ROUNDS = 144, /* without, at most */
+    AGAIN = 12,   /* rounds that neighbours are good for */
+    STALL = 24,   /* rounds in which the count must fall */
+    SHRINKS = 12,
+    JAMS = 3,   /* times that jams are loosened */
+    TRIES = 14, /* pushes of one that comes */
+    STREAM_GAP = 0xf1e20
+};
+#define MARGIN 0.08  /* of the largest disc */
+#define JAM    0.35  /* of the largest disc: so deep is a jam */
+#define HELD   0.004 /* radians */
+#define LEAST  0.8
+#define DEEP   0.004 /* of the largest disc: no contact yet */
 
 /* A body as a contact sees it. */
 typedef struct pose {
@@ -39,9 +56,13 @@ typedef struct repair {
     pose *pose;
     push *push;
     bool *awake;     /* to be looked at */
+    double *turned;  /* so far */
+    double margin;   /* share of the largest disc; pushes begin there */
     tz_vec2 *border; /* TZ_FILL_BORDER a soft body */
     int32_t softs;
     int32_t *start, *near;
+    int64_t room;   /* bodies that pose, push, turned hold */
+    int32_t bodies; /* that awake and start hold */
 } repair;
 
 static void find_pose(repair *r, int32_t i)
@@ -114,8 +135,9 @@ static double depth_in(const repair *r, int32_t i, tz_vec2 at, tz_vec2 *out)
     double scale = p->scale;
     const tz_vec3 v =
         tz_fill_vector(f, (tz_vec3){p->at.x, p->at.y, 0}, (tz_vec3){at.x, at.y, 0});
-    if (v.x * v.x + v.y * v.y >= p->reach * p->reach || (p->soft && !near_disc(f, i, at)))
-        return -1;
+    const double reach = p->reach * (1 + r->margin);
+    if (v.x * v.x + v.y * v.y >= reach * reach || (p->soft && !near_disc(f, i, at)))
+        return -HUGE_VAL;
     if (p->soft) {
         in = tz_fill_to_model(f, i, at, &scale, &turn);
     } else {
@@ -126,7 +148,7 @@ static double depth_in(const repair *r, int32_t i, tz_vec2 at, tz_vec2 *out)
     }
     const double d = tz_shape_distance_at(&m->cover.distance, in, &slope) * scale;
     const double l = tz_vec2_length(slope);
-    if (d > 0 && l > 0)
+    if (l > 0)
         *out = (tz_vec2){-(turn.x * slope.x - turn.y * slope.y) / l,
                          -(turn.y * slope.x + turn.x * slope.y) / l};
     else
@@ -134,11 +156,19 @@ static double depth_in(const repair *r, int32_t i, tz_vec2 at, tz_vec2 *out)
     return d;
 }
 
-/* Deepest border point of a in b. */
-static double deepest(const repair *r, int32_t a, int32_t b, tz_vec2 *at, tz_vec2 *out)
+static double slack_of(const tz_fill *f, int32_t i)
+{
+    const tz_fill_body *b = &f->body.v[i];
+    return DEEP * f->radius[b->first] * tz_fill_scale(f, b->first);
+}
+
+/* Border point of a that is deepest in b, or nearest; least is returned if none is
+ * deeper than that. */
+static double deepest(const repair *r, int32_t a, int32_t b, double least, tz_vec2 *at,
+                      tz_vec2 *out)
 {
     const tz_fill_model *m = &r->f->model.v[r->f->body.v[a].model];
-    double most = 0;
+    double most = least;
     for (int32_t k = 0; k < m->borders; k++) {
         tz_vec2 way;
         const tz_vec2 q = border_point(r, a, k);
@@ -219,19 +249,14 @@ static void push_inside(const repair *r, int32_t i, push *p)
         add_push(r, i, p, where, most * x / l, most * y / l, most);
 }
 
-static double slack_of(const tz_fill *f, int32_t i)
-{
-    const tz_fill_body *b = &f->body.v[i];
-    return DEEP * f->radius[b->first] * tz_fill_scale(f, b->first);
-}
-
 static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
 {
     const repair *r = arg;
     tz_fill *f = r->f;
     for (int32_t j = from; j < to; j++) {
         const int32_t a = f->live.v[j];
-        const double least = 0.8 * slack_of(f, a);
+        const double least =
+            r->margin > 0 ? -r->margin / DEEP * slack_of(f, a) : 0.8 * slack_of(f, a);
         push p = {0, 0, 0, 0, 0};
         if (r->awake[a] && !f->body.v[a].gone) {
             for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
@@ -240,12 +265,15 @@ static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
                 if (f->body.v[b].gone || !are_near(r, a, b))
                     continue;
                 const bool held = f->body.v[b].fixed || !f->body.v[b].awake;
-                const double share = held ? 1 : 0.5, d = deepest(r, a, b, &at, &out);
+                const double share = held ? 1 : 0.5, gap = fmin(least, 0);
+                const double d = deepest(r, a, b, least, &at, &out);
                 if (d > least)
-                    add_push(r, a, &p, at, share * d * out.x, share * d * out.y, d);
-                const double e = deepest(r, b, a, &at, &out);
+                    add_push(r, a, &p, at, share * (d - gap) * out.x,
+                             share * (d - gap) * out.y, d);
+                const double e = deepest(r, b, a, least, &at, &out);
                 if (e > least)
-                    add_push(r, a, &p, at, -share * e * out.x, -share * e * out.y, e);
+                    add_push(r, a, &p, at, -share * (e - gap) * out.x,
+                             -share * (e - gap) * out.y, e);
             }
             push_inside(r, a, &p);
         }
@@ -265,7 +293,8 @@ static void move_body(repair *r, int32_t i)
     const double by = p->n > 0 ? fmin(1, 1.6 / p->n) : 0;
     const double x = by * p->x, y = by * p->y;
     double a = r->pose[i].soft ? 0 : 0.2 * by * p->turn;
-    a = fmin(fmax(a, -0.06), 0.06);
+    a = fmin(fmax(a, -HELD - r->turned[i]), HELD - r->turned[i]);
+    r->turned[i] += a;
     const double c = cos(a), s = sin(a);
     for (int32_t k = b->first; k < b->first + b->n; k++) {
         const double u = f->at[k].x - r->pose[i].at.x, v = f->at[k].y - r->pose[i].at.y;
@@ -349,10 +378,12 @@ static tz_status push_round(repair *r, int32_t *left)
     return s;
 }
 
-static tz_status push_rounds(repair *r, int32_t rounds)
+/* Rounds until nothing overlaps, or STALL of them have not helped. */
+static tz_status push_rounds(repair *r, int32_t rounds, double margin)
 {
     tz_status s = TZ_OK;
-    int32_t left = 1;
+    int32_t left = 1, least = INT32_MAX, since = 0;
+    r->margin = margin;
     for (int32_t k = 0; k < rounds && left > 0 && s == TZ_OK; k++) {
         if (k % AGAIN == 0) {
             s = find_near(r);
@@ -360,7 +391,12 @@ static tz_status push_rounds(repair *r, int32_t rounds)
         }
         if (s == TZ_OK)
             s = tz_ctx_cancelled(r->f->ctx) ? TZ_CANCELLED : push_round(r, &left);
+        since = left < 0.97 * least ? 0 : since + 1;
+        least = left < least ? left : least;
+        if (since >= STALL)
+            break;
     }
+    r->margin = 0;
     return s;
 }
 
@@ -397,8 +433,9 @@ static tz_status shrink_rest(repair *r)
             if (p->depth <= slack_of(f, i) || shrunk[i] <= LEAST)
                 continue;
             const double by = fmax(1 - 0.5 * p->depth / r->pose[i].reach, 0.96);
-            f->shrunk += shrunk[i] == 1;
+            const double was = shrunk[i];
             shrunk[i] *= by;
+            f->shrunk += was >= 0.98 && shrunk[i] < 0.98;
             shrink_body(r, i, by);
         }
     }
@@ -406,15 +443,17 @@ static tz_status shrink_rest(repair *r)
     return s;
 }
 
-/* Of two that overlap deeply the smaller leaves, worst first. */
-static tz_status drop_rest(repair *r)
+/* Of those that overlap by more than a share of their largest disc the worst about leaves.
+ */
+static tz_status drop_worst(repair *r, double share, int32_t *dropped)
 {
     tz_fill *f = r->f;
+    *dropped = 0;
     wake_every(r);
     tz_status s = tz_fill_blocks(f->ctx, f->live.n, find_pushes, r, NULL);
     for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
         const int32_t i = f->live.v[j];
-        const double limit = 16 * slack_of(f, i);
+        const double limit = share / DEEP * slack_of(f, i);
         if (r->push[i].depth <= limit)
             continue;
         bool worst = true;
@@ -427,83 +466,160 @@ static tz_status drop_rest(repair *r)
         if (!worst)
             continue;
         s = tz_fill_remove(f, i);
-        f->dropped++;
+        f->dropped++, ++*dropped;
     }
     return s == TZ_OK ? tz_fill_lists(f) : s;
 }
 
 /* ---- empty places ------------------------------------------------------------------- */
 
-/* Whether a body that has just come overlaps what lies about a sample, or the border. */
-static bool fits(repair *r, int32_t i, int32_t sample, const tz_power_cells *c)
+/* Bodies about a sample, two rings of the diagram. */
+static int32_t bodies_about(const tz_fill *f, int32_t sample, const tz_power_cells *c,
+                            int32_t *list, int32_t most)
 {
-    tz_fill *f = r->f;
-    const double slack = slack_of(f, i);
-    push p = {0, 0, 0, 0, 0};
-    tz_vec2 at, out;
-    find_pose(r, i);
-    push_inside(r, i, &p);
-    if (p.depth > slack)
-        return false;
+    int32_t n = 0;
     for (int32_t k = -1; k < c->count[sample]; k++) {
         const int32_t q = k < 0 ? sample : c->neighbour[c->start[sample] + k];
-        for (int32_t e = -1; e < c->count[q]; e++) {
-            const int32_t t = e < 0 ? q : c->neighbour[c->start[q] + e];
-            const int32_t b = f->owner[t];
-            if (f->body.v[b].gone || b == i || !are_near(r, i, b))
-                continue;
-            if (deepest(r, i, b, &at, &out) > slack ||
-                deepest(r, b, i, &at, &out) > slack)
-                return false;
+        for (int32_t e = -1; e < c->count[q] && n < most; e++) {
+            const int32_t b = f->owner[e < 0 ? q : c->neighbour[c->start[q] + e]];
+            bool new = !f->body.v[b].gone;
+            for (int32_t j = 0; j < n && new; j++)
+                new = list[j] != b;
+            if (new)
+                list[n++] = b;
         }
     }
-    return true;
+    return n;
 }
 
-/* Things of the mix whose largest disc fits, the largest first. */
-static tz_status fill_gap(repair *r, const tz_fill_gap *g, const tz_power_cells *c)
+/* Pushes one that has just come out of what lies about it, which stays; with a little less
+ * of its size each time that it is stuck. Whether it lies free in the end. */
+static bool settle_one(repair *r, int32_t i, const int32_t *near, int32_t n)
 {
     tz_fill *f = r->f;
-    const int32_t n = f->n, bodies = f->body.n;
-    int32_t best = -1;
-    double size = 0, most = 0;
-    const double scale = f->c[g->sample];
-    for (int32_t k = 0; k < f->entries; k++) {
-        const tz_fill_model *m = &f->model.v[k];
-        const double hold = 1.1 * g->radius / (m->radius[0] * scale);
-        if (!(m->share > 0) || hold < m->size[0])
-            continue;
-        const double with = fmin(hold, m->size[1]);
-        if (m->radius[0] * with > most)
-            most = m->radius[0] * with, best = k, size = with;
+    double size = 1;
+    find_pose(r, i);
+    r->turned[i] = 0;
+    for (int32_t k = 0; k < TRIES; k++) {
+        push p = {0, 0, 0, 0, 0};
+        tz_vec2 at, out;
+        const double least = 0.8 * slack_of(f, i);
+        for (int32_t j = 0; j < n; j++) {
+            if (!are_near(r, i, near[j]))
+                continue;
+            const double d = deepest(r, i, near[j], least, &at, &out);
+            if (d > least)
+                add_push(r, i, &p, at, d * out.x, d * out.y, d);
+            const double e = deepest(r, near[j], i, least, &at, &out);
+            if (e > least)
+                add_push(r, i, &p, at, -e * out.x, -e * out.y, e);
+        }
+        push_inside(r, i, &p);
+        if (p.depth <= slack_of(f, i))
+            return true;
+        if (k > 3 && size > LEAST) {
+            size *= 0.97;
+            shrink_body(r, i, 0.97);
+        }
+        r->push[i] = p;
+        move_body(r, i);
     }
-    if (best < 0)
+    return false;
+}
+
+/* Room for one more body. */
+static tz_status reserve_one(repair *r)
+{
+    tz_ctx *ctx = r->f->ctx;
+    const size_t n = (size_t)r->f->body.n + 1;
+    if ((int64_t)n <= r->room)
         return TZ_OK;
-    const tz_fill_model *m = &f->model.v[best];
+    const size_t room = n + n / 4;
+    tz_status s = tz_realloc(ctx, &r->pose, room, sizeof *r->pose);
+    if (s == TZ_OK)
+        s = tz_realloc(ctx, &r->push, room, sizeof *r->push);
+    if (s == TZ_OK)
+        s = tz_realloc(ctx, &r->turned, room, sizeof *r->turned);
+    if (s == TZ_OK)
+        s = tz_realloc(ctx, &r->border,
+                       ((size_t)r->softs + (room - n) + 2) * TZ_FILL_BORDER,
+                       sizeof *r->border);
+    if (s == TZ_OK)
+        r->room = (int64_t)room;
+    return s;
+}
+
+/* One of an entry at a gap, its middle there. */
+static tz_status try_one(repair *r, int32_t entry, double size, const tz_fill_gap *g,
+                         const int32_t *near, int32_t about, bool *came)
+{
+    tz_fill *f = r->f;
+    const tz_fill_model *m = &f->model.v[entry];
+    const int32_t n = f->n, bodies = f->body.n;
+    const double scale = f->c[g->sample];
     const tz_vec2 t = tz_fill_turn(f, g->sample);
     tz_rng rng = tz_rng_make(f->seed, tz_rng_stream(STREAM_GAP, (uint64_t)f->made, 0));
     const double turn = m->turn + m->jitter * (2 * tz_rng_unit(&rng) - 1);
     const double angle = atan2(t.y, t.x), a = angle + turn;
-    const tz_vec2 d = {scale * size * m->rest[0].x, scale * size * m->rest[0].y};
+    tz_vec2 mean = {0, 0};
+    double total = 0;
+    for (int32_t k = 0; k < m->n; k++) {
+        const double w = m->radius[k] * m->radius[k];
+        mean.x += w * m->rest[k].x, mean.y += w * m->rest[k].y, total += w;
+    }
+    const tz_vec2 d = tz_vec2_scale(mean, scale * size / total);
     const tz_vec3 at = {g->at.x - cos(a) * d.x + sin(a) * d.y,
                         g->at.y - sin(a) * d.x - cos(a) * d.y, 0};
     int32_t i;
-    tz_status s = tz_realloc(f->ctx, &r->pose, (size_t)bodies + 1, sizeof *r->pose);
-    if (s == TZ_OK) /* for the outline of one more */
-        s = tz_realloc(f->ctx, &r->border, ((size_t)r->softs + 1) * TZ_FILL_BORDER,
-                       sizeof *r->border);
+    *came = false;
+    tz_status s = reserve_one(r);
     if (s == TZ_OK)
-        s = tz_fill_add_body(f, best, at, angle, scale, size, turn, &i);
+        s = tz_fill_add_body(f, entry, at, angle, scale, size, turn, &i);
     if (s != TZ_OK)
         return s;
     r->pose[i].border = r->softs;
     for (int32_t k = n; k < f->n; k++)
         f->third[k] = 0, f->rho[k] = f->rho[g->sample];
-    if (fits(r, i, g->sample, c)) {
+    if (settle_one(r, i, near, about)) {
+        *came = true;
         f->inserted++;
         r->softs += r->pose[i].soft;
     } else {
         f->body.n = bodies, f->n = n;
+    }
+    return s;
+}
+
+/* Entries in turn, beginning where chance says, until one can be pushed in; of an entry of
+ * many sizes the largest that the gap may hold. */
+static tz_status fill_gap(repair *r, const tz_fill_gap *g, const tz_power_cells *c,
+                          int32_t first)
+{
+    enum { NEAR = 96, ENTRIES = 4 };
+    tz_fill *f = r->f;
+    int32_t near[NEAR];
+    int32_t about = bodies_about(f, g->sample, c, near, 2 * NEAR / 3);
+    for (int32_t i = first; i < f->body.n && about < NEAR; i++) { /* not in the diagram */
+        const tz_vec3 v =
+            tz_fill_vector(f, (tz_vec3){r->pose[i].at.x, r->pose[i].at.y, 0}, g->at);
+        const double far = 3 * r->pose[i].reach + g->radius;
+        if (v.x * v.x + v.y * v.y < far * far)
+            near[about++] = i;
+    }
+    const double scale = f->c[g->sample];
+    tz_rng rng = tz_rng_make(f->seed, tz_rng_stream(STREAM_GAP, (uint64_t)f->made, 1));
+    const int32_t from = tz_rng_below(&rng, f->entries);
+    bool came = false;
+    tz_status s = TZ_OK;
+    for (int32_t k = 0, tried = 0;
+         k < f->entries && tried < ENTRIES && !came && s == TZ_OK; k++) {
+        const int32_t entry = (from + k) % f->entries;
+        const tz_fill_model *m = &f->model.v[entry];
+        const double hold = 1.4 * g->radius / (m->radius[0] * scale);
+        if (!(m->share > 0) || hold < m->size[0])
+            continue;
+        tried++;
+        s = try_one(r, entry, fmin(hold, m->size[1]), g, near, about, &came);
     }
     return s;
 }
@@ -520,23 +636,59 @@ static tz_status fill_gaps(repair *r)
     f->fresh = false;
     tz_status s = tz_fill_diagram(f);
     if (s == TZ_OK)
-        s = tz_fill_gaps(f, least / 2, f->live.n, &gap, &n);
+        s = tz_fill_gaps(f, least * f->guide.least / 1.4, f->live.n, &gap, &n);
     const tz_power_cells c = tz_power_get(f->power);
+    const int32_t first = f->body.n;
     for (int32_t k = 0; k < n && s == TZ_OK; k++)
-        s = fill_gap(r, &gap[k], &c);
+        s = fill_gap(r, &gap[k], &c, first);
     tz_free(f->ctx, gap);
     return s;
 }
 
+/* Jams: the worst of each leaves, the others go apart. */
+static tz_status loosen(repair *r)
+{
+    tz_status s = TZ_OK;
+    int32_t dropped = 1;
+    for (int k = 0; k < JAMS && dropped > 0 && s == TZ_OK; k++) {
+        s = drop_worst(r, JAM, &dropped);
+        if (s == TZ_OK && dropped > 0)
+            s = push_rounds(r, ROUNDS / 2, 0);
+    }
+    return s;
+}
+
+/* Those that have come, and the places of those that left: gaps become even again. */
+static tz_status even_out(repair *r)
+{
+    tz_fill *f = r->f;
+    if (f->body.n > r->bodies) { /* lists of what has come */
+        const size_t n = (size_t)f->body.n;
+        tz_status s = tz_realloc(f->ctx, &r->awake, n, sizeof *r->awake);
+        if (s == TZ_OK)
+            s = tz_realloc(f->ctx, &r->start, n + 1, sizeof *r->start);
+        if (s != TZ_OK)
+            return s;
+        r->bodies = f->body.n;
+    }
+    tz_status s = tz_fill_lists(f);
+    if (s == TZ_OK)
+        s = push_rounds(r, WIDE / 2, MARGIN);
+    return s == TZ_OK ? push_rounds(r, ROUNDS / 2, 0) : s;
+}
+
 tz_status tz_fill_repair(tz_fill *f)
 {
-    repair r = {.f = f};
+    repair r = {.f = f, .room = f->body.n, .bodies = f->body.n};
     tz_status s = tz_fill_lists(f);
     const size_t n = (size_t)f->body.n;
+    int32_t dropped;
     if (s == TZ_OK)
         s = tz_alloc(f->ctx, &r.pose, n, sizeof *r.pose);
     if (s == TZ_OK)
         s = tz_alloc_zero(f->ctx, &r.push, n, sizeof *r.push);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(f->ctx, &r.turned, n, sizeof *r.turned);
     if (s == TZ_OK)
         s = tz_alloc(f->ctx, &r.awake, n, sizeof *r.awake);
     if (s == TZ_OK)
@@ -544,16 +696,22 @@ tz_status tz_fill_repair(tz_fill *f)
     if (s == TZ_OK)
         s = find_poses(&r);
     if (s == TZ_OK)
-        s = push_rounds(&r, ROUNDS);
+        s = push_rounds(&r, WIDE, MARGIN);
+    if (s == TZ_OK)
+        s = push_rounds(&r, ROUNDS, 0);
+    if (s == TZ_OK)
+        s = loosen(&r);
     if (s == TZ_OK)
         s = shrink_rest(&r);
     if (s == TZ_OK)
-        s = drop_rest(&r);
+        s = drop_worst(&r, 16 * DEEP, &dropped);
     if (s == TZ_OK && f->job.count == 0 && f->live.n > 0)
         s = fill_gaps(&r);
+    if (s == TZ_OK)
+        s = even_out(&r);
     f->fresh = false;
     tz_free(f->ctx, r.pose), tz_free(f->ctx, r.push), tz_free(f->ctx, r.awake);
     tz_free(f->ctx, r.start), tz_free(f->ctx, r.near);
-    tz_free(f->ctx, r.border);
+    tz_free(f->ctx, r.border), tz_free(f->ctx, r.turned);
     return s;
 }

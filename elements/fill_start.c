@@ -14,24 +14,6 @@
 
 enum { STREAM_BODY = 0xf1e1d, STREAM_PLACE = 0xf1e1e };
 
-/* ---- what the field says ------------------------------------------------------------ */
-
-static const tz_element_field_cell *nearest(const tz_fill *f, tz_vec3 at, int what)
-{
-    if (!f->field)
-        return NULL;
-    const int64_t i = tz_raster_at(&f->field->raster, tz_domain_wrap(&f->domain, at));
-    const int32_t n = f->field->nearest[what][i];
-    return n < 0 ? NULL : &f->field->cell[n];
-}
-
-double tz_fill_angle(const tz_fill *f, tz_vec3 at, bool *said)
-{
-    const tz_element_field_cell *c = nearest(f, at, 0);
-    *said = c != NULL;
-    return c ? atan2((double)c->y, (double)c->x) : 0;
-}
-
 /* ---- counts ------------------------------------------------------------------------- */
 
 /* Mean area of the mix: of each entry that of its sizes, even in their logarithm. */
@@ -98,8 +80,7 @@ static draw draw_one(const tz_fill *f, int32_t entry, int32_t id)
 static tz_status add_drawn(tz_fill *f, const draw *d, tz_vec3 at, int32_t like,
                            int32_t *out)
 {
-    bool said;
-    double angle = tz_fill_angle(f, at, &said), c = tz_fill_size(f, at);
+    double angle = tz_fill_angle(f, at), c = tz_fill_size(f, at);
     if (like >= 0) { /* where something lies already the fields have grown past strokes */
         const tz_vec2 t = tz_fill_turn(f, like);
         angle = atan2(t.y, t.x), c = tz_fill_scale(f, like);

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #define CONFIDENT 100.0
+#define PRIOR     0.3  /* confidence of directions between strokes */
 #define SMALL     1e-3 /* change of a scale or a column that does not matter */
 enum { ROUNDS = 40, LM_STEPS = 2 };
 
@@ -111,12 +112,24 @@ static void find_thirds(void *arg, int32_t from, int32_t to, double sums[4])
     }
 }
 
+/* Eq. (8) lets neighbours that point apart ignore each other, so that whirls drift until
+ * they find a seam. A weak word of what lies harmonically between the strokes, weaker
+ * where these disagree, keeps them in place. */
+static void look_between(tz_fill *f, int32_t s, tz_vec3 at)
+{
+    tz_vec2 v;
+    const double l = tz_fill_direction(f, at, &v);
+    f->prior[s] = PRIOR * l * l;
+    f->target[2 * (ptrdiff_t)s] = v.x, f->target[2 * (ptrdiff_t)s + 1] = v.y;
+}
+
 static void look_up(tz_fill *f, int32_t s)
 {
     const tz_element_field *d = f->field;
     const double r = f->c[s] * f->radius[s];
     const double sure = CONFIDENT * r * r / (f->unit * f->unit);
     f->confident[s] = f->said_c[s] = f->said_rho[s] = 0;
+    f->prior[s] = 0;
     if (!f->any_direction && !f->any_size && !f->any_density)
         return;
     const bool any[3] = {f->any_direction, f->any_size, f->any_density};
@@ -126,6 +139,8 @@ static void look_up(tz_fill *f, int32_t s)
         const int32_t n = any[what] ? d->nearest[what][i] : -1;
         if (n < 0)
             continue;
+        if (what == 0 && f->par.start == TZ_FILL_INSERT)
+            look_between(f, s, at);
         const tz_element_field_cell *c = &d->cell[n];
         if (n != i) { /* under the disc, though not under its centre */
             const tz_raster *g = &d->raster;
@@ -137,7 +152,7 @@ static void look_up(tz_fill *f, int32_t s)
         }
         const double w = sure * (double)c->weight;
         if (what == 0) {
-            f->confident[s] = w;
+            f->confident[s] = w, f->prior[s] = 0;
             f->target[2 * (ptrdiff_t)s] = (double)c->x;
             f->target[2 * (ptrdiff_t)s + 1] = (double)c->y;
         } else if (what == 1) {
@@ -399,7 +414,8 @@ static void weigh_turn(void *arg, int32_t from, int32_t to, double sums[4])
         const double *u = f->o + (ptrdiff_t)i * m;
         double g[9] = {0}, diag = 1e-12;
         for (int32_t s = i; s < i + n; s++) {
-            const double w = f->confident[s], *to_u = f->target + (ptrdiff_t)s * m;
+            const double w = f->confident[s] + f->prior[s],
+                         *to_u = f->target + (ptrdiff_t)s * m;
             for (int k = 0; k < m && w > 0; k++) {
                 g[k] += w * (u[k] - to_u[k]);
                 sums[0] += w * (u[k] - to_u[k]) * (u[k] - to_u[k]);
