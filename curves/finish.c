@@ -93,8 +93,7 @@ static tz_status measure_twins(const tz_net *n, tz_finish_limits *l)
     tz_status s =
         tz_alloc(n->ctx, &scratch, (size_t)tz_net_most_points(n), sizeof *scratch);
     for (int32_t i = 0; i < n->edge.n && s == TZ_OK; i++) {
-        const double reach = 2 * l->twin + 0.6 * n->spacing;
-        l->twin = fmin(l->twin, tz_net_twin(n, i, reach, NULL, scratch) / 2);
+        l->twin = fmin(l->twin, tz_net_twin(n, i, 2 * l->twin, NULL, scratch) / 2);
     }
     tz_free(n->ctx, scratch);
     return s;

@@ -270,8 +270,7 @@ static tz_status drop_twins(tz_net_edit *e, const tz_finish_limits *l)
         const int32_t piece = n->step.v[n->edge.v[edge].step] >> 1;
         if (e->gone[piece] || edge_fixed(n, edge))
             continue;
-        const double reach = l->twin + 0.6 * n->spacing;
-        if (tz_net_twin(n, edge, reach, e->gone, scratch) < l->twin)
+        if (tz_net_twin(n, edge, l->twin, e->gone, scratch) < l->twin)
             drop_edge(e, edge);
         if (!(i & 1023) && tz_ctx_cancelled(n->ctx))
             s = TZ_CANCELLED;

@@ -101,10 +101,10 @@ tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
                             tz_finish_limits *out);
 
 /** For an edge: how near it runs beside others, that a share of 0.8 of its points is no
- * farther; INFINITY where it does not. Looked for within `reach`.
+ * farther; INFINITY where that is not under `under`.
  * @param gone     per piece: counts no more; NULL = all count
  * @param scratch  room for the points of the edge */
-double tz_net_twin(const tz_net *n, int32_t edge, double reach, const bool *gone,
+double tz_net_twin(const tz_net *n, int32_t edge, double under, const bool *gone,
                    double *scratch);
 /** The most points that an edge has. */
 int32_t tz_net_most_points(const tz_net *n);

@@ -305,12 +305,17 @@ int32_t tz_net_most_points(const tz_net *n)
     return most;
 }
 
-double tz_net_twin(const tz_net *n, int32_t edge, double reach, const bool *gone,
+double tz_net_twin(const tz_net *n, int32_t edge, double under, const bool *gone,
                    double *scratch)
 {
     enum { MOST = 512 };
     const tz_net_edge *e = &n->edge.v[edge];
-    int32_t id[MOST], count = 0;
+    const double reach = under + 0.6 * n->spacing;
+    int32_t id[MOST], count = 0, all = 0, off = 0;
+    for (int32_t k = 0; k < e->steps; k++) {
+        const int32_t piece = n->step.v[e->step + k] >> 1;
+        all += n->at[piece + 1] - n->at[piece];
+    }
     for (int32_t k = 0; k < e->steps; k++) {
         const int32_t piece = n->step.v[e->step + k] >> 1;
         for (int32_t i = n->at[piece]; i < n->at[piece + 1]; i++) {
@@ -329,6 +334,9 @@ double tz_net_twin(const tz_net *n, int32_t edge, double reach, const bool *gone
                     best = d;
             }
             scratch[count++] = best;
+            off += !(best < under);
+            if (off > all - 1 - (int32_t)(0.8 * (all - 1)))
+                return INFINITY;
         }
     }
     if (count == 0)
