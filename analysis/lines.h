@@ -45,6 +45,7 @@ typedef struct tz_lines_verdict {
     double width;    /**< median, px */
     double length;   /**< of all lines, px */
     double contrast; /**< of lines against their sides, in spreads of what lies between */
+    double run;      /**< mean length of a path, in widths; borders count as 6 px wide */
     double joined;   /**< share of line ends that meet others */
     double closed;   /**< share of their length that leads on to lines at both ends */
     char why[128];   /**< "dark lines 3 px wide form 41 cells" */

@@ -160,7 +160,7 @@ static tz_status count_cells(const tz_line_graph *g, int32_t *cells)
     return TZ_OK;
 }
 
-static void say(tz_lines_verdict *v, int32_t paths, int32_t cells, double run)
+static void say(tz_lines_verdict *v, int32_t paths, int32_t cells)
 {
     static const char *const tone[] = {"", "dark ", "light ", "dark and light "};
     const char *what = v->line == TZ_LINE_EDGE ? "borders" : "lines";
@@ -170,13 +170,13 @@ static void say(tz_lines_verdict *v, int32_t paths, int32_t cells, double run)
     else if (!v->is_lines)
         snprintf(v->why, sizeof v->why,
                  "%s%s hardly stand out: contrast %.1f, %.0f times as long as wide", kind,
-                 what, v->contrast, run);
+                 what, v->contrast, v->run);
     else if (cells > paths / 4)
         snprintf(v->why, sizeof v->why, "%s%s %.1f px wide form %d cells", kind, what,
                  v->width, cells);
     else
         snprintf(v->why, sizeof v->why, "%d %s%s %.1f px wide, %.0f times as long", paths,
-                 kind, what, v->width, run);
+                 kind, what, v->width, v->run);
 }
 
 tz_status tz_line_judge(const tz_line_graph *g, const tz_line_picture *picture,
@@ -206,10 +206,10 @@ tz_status tz_line_judge(const tz_line_graph *g, const tz_line_picture *picture,
     v->width = length > 0 ? side * width / length : 0;
     v->contrast = length > 0 ? fmin(strength / length / fmax(spread, 0.01), 1e3) : 0;
     const double thick = v->line == TZ_LINE_EDGE ? BORDER : width / fmax(length, 1);
-    const double run = paths > 0 ? length / paths / thick : 0;
+    v->run = paths > 0 ? length / paths / thick : 0;
     const double wanted = v->line == TZ_LINE_EDGE ? BORDER_STANDS_OUT : STANDS_OUT;
     v->is_lines =
-        v->contrast * sqrt(run) >= wanted && length >= 2 * fmax(g->width, g->height);
-    say(v, paths, cells, run);
+        v->contrast * sqrt(v->run) >= wanted && length >= 2 * fmax(g->width, g->height);
+    say(v, paths, cells);
     return TZ_OK;
 }

@@ -1,29 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The first of these that holds:
+/* Where things stand out, on the average as surely as SURE, the photo is one of
  *
- *   curves    lines stand out, and are closed: CLOSED of their length leads on to lines at
- *             both ends (joints of bricks and stones, cracked mud)
- *   elements  things stand out, on the average as surely as SURE
- *   curves    lines stand out and run on: LONG times as long as wide (cracks, veins)
- *   edges
+ *   curves    if lines stand out that part them: CLOSED of their length leads on to lines
+ *             at both ends (joints of bricks and stones, cracked mud)
+ *   elements  else
  *
- * Closed lines come before things because what they part is kept in its place, rows stay
- * rows, and joints stay as wide as they were; where lines that should be closed are broken
- * (cobbles, whose joints can hardly be seen), stones would be bent along them, and things
- * that are surely seen are better. Short lines that are open, and things not surely seen,
- * are gaps in what neither of the two knows: heaps, gravel, rubble. */
+ * and where they do not, one of
+ *
+ *   curves    if lines stand out and run on: LONG times as long as wide (cracks, veins)
+ *   edges     else: heaps, rubble, moss
+ *
+ * Along closed lines everything keeps its place: rows stay rows, and joints as wide as
+ * they were. Where such lines are broken (cobbles, whose joints can hardly be seen) stones
+ * would be bent along them. All three were made of 11 photos and 6 drawn pictures and
+ * looked at; of 72 halves, mirror images and reductions of these and of 4 other photos, 69
+ * are taken for the same as the whole. */
 #include "cli/expand_decide.h"
 
 #include "cli/figures.h"
 
 #define CLOSED 0.80
 #define SURE   0.75
-#define LONG   10
-
-static bool run_on(const tz_curve_exemplar *e)
-{
-    return e->found.length >= LONG * e->found.width * e->set.path.n;
-}
+#define LONG   9
 
 tz_status tz_expand_decide(tz_cli *cli, const tz_lines_params *lines,
                            const tz_things_params *things, const char *model,
@@ -38,25 +36,20 @@ tz_status tz_expand_decide(tz_cli *cli, const tz_lines_params *lines,
     s = tz_curve_exemplar_find(cli, path, lines, &d->line_record, &d->lines);
     if (s != TZ_OK)
         return s;
-    const bool drawn = d->lines.found.is_lines && d->lines.set.path.n > 0;
-    why = d->lines.found.why;
-    if (drawn && d->lines.found.closed >= CLOSED) {
-        d->as = TZ_AS_CURVES;
-        goto done;
-    }
     s = tz_element_exemplar_judge(cli, path, things, model, &d->thing_record, &d->things,
                                   &v);
     if (s != TZ_OK)
         return s;
-    if (v.is_things && v.copied > 0 && v.sure >= SURE) {
+    const bool drawn = d->lines.found.is_lines && d->lines.set.path.n > 0;
+    const bool sure = v.is_things && v.copied > 0 && v.sure >= SURE;
+    if (drawn && (sure ? d->lines.found.closed >= CLOSED : d->lines.found.run >= LONG)) {
+        d->as = TZ_AS_CURVES;
+        why = d->lines.found.why;
+    } else if (sure) {
         d->as = TZ_AS_ELEMENTS;
         why = v.why;
-    } else if (drawn && run_on(&d->lines)) {
-        d->as = TZ_AS_CURVES;
-    } else if (drawn) {
-        why = "its lines are short and open, and things in it are not surely seen";
     } else if (v.is_things) {
-        why = "things in it are not surely seen, and no lines part them";
+        why = "things in it are not surely seen, and no long lines run through it";
     } else {
         why = v.why;
     }

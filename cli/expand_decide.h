@@ -19,7 +19,7 @@ typedef struct tz_expand_decision {
  * the figures.
  * @param model   of edges
  * @param[out] d  zeroed before; free it also after an error
- * @cost lines, and where they are no network, things: O(pixels) */
+ * @cost of tz_lines_find and tz_things_judge: O(pixels) */
 tz_status tz_expand_decide(tz_cli *cli, const tz_lines_params *lines,
                            const tz_things_params *things, const char *model,
                            tz_expand_decision *d);
