@@ -81,12 +81,12 @@ static bool covered(const quilt *k, const window *w, tz_vec2 v)
 }
 
 /* How ill the window fits what is there: per sample in the overlap, also those of the
- * window that have no partner there. */
-static double misfit(quilt *k, const window *w, const tz_vec2 *v, int32_t n)
+ * window that have no partner there.
+ * @param d  distance of samples: pairs may be half as far again from each other */
+static double misfit(quilt *k, const window *w, const tz_vec2 *v, int32_t n, double d)
 {
     const tz_curve_solve *t = k->t;
     const tz_sample_graph *g = &t->x->g;
-    const double d = t->x->apart;
     tz_assign *a = &k->work;
     a->rows = n;
     a->cols = 0;
@@ -101,7 +101,7 @@ static double misfit(quilt *k, const window *w, const tz_vec2 *v, int32_t n)
             const bool alike = t->o.sample.v[k->here[i]].q == g->sample.v[j].q;
             a->cost[i][a->cols] =
                 alike ? (float)(far + 0.5 * d * (more < 0 ? -more : more)) : INFINITY;
-            near = near || far < 2 * d;
+            near = near || far < ALONE * d;
         }
         if (near)
             k->there[a->cols++] = j;
@@ -193,7 +193,7 @@ static tz_status lay(quilt *k, const window *w, const tz_vec2 *v, int32_t n)
     const int32_t before = t->o.sample.n;
     tz_status s = TZ_OK;
     memset(k->partner, 255, (size_t)t->x->g.sample.n * sizeof *k->partner);
-    (void)misfit(k, w, v, n);
+    (void)misfit(k, w, v, n, t->o.spacing);
     for (int32_t i = 0; i < n; i++)
         if (k->work.to[i] >= 0)
             k->partner[k->there[k->work.to[i]]] = k->here[i];
@@ -280,13 +280,13 @@ static tz_status fill_place(quilt *k, window best, int32_t place)
     for (int32_t i = 0; i < TRIES && n > 0; i++) {
         window w = best;
         w.from = fitting_window(k, v, n, &r);
-        double m = misfit(k, &w, v, n);
+        double m = misfit(k, &w, v, n, t->x->apart);
         if (!(m < least))
             continue;
         least = m;
         best = w;
         w.from = settled(k, &w, v, n);
-        m = misfit(k, &w, v, n);
+        m = misfit(k, &w, v, n, t->x->apart);
         if (m < least) {
             least = m;
             best = w;
