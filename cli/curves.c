@@ -141,7 +141,7 @@ tz_status tz_curves_write(tz_cli *cli, const char *path, const tz_curve_output_p
                           const tz_curve_set *set)
 {
     const double start = tz_seconds(), unit = unit_of(p, set);
-    tz_curve_format format;
+    tz_curve_format format = TZ_CURVE_FORMAT_AUTO;
     double way[2] = {0, 0};
     tz_status s = tz_curves_format(cli, path, p, &format);
     if (s == TZ_OK)

@@ -221,6 +221,120 @@ static void test_mending(void **state)
     }
 }
 
+/* Waves side by side over a square, without ends; where `broken`, every line lacks a piece
+ * somewhere, more than any reach long and next to whole lines, or ends there for good. */
+static tz_status waves(tz_ctx *c, double side, bool broken, bool torus, tz_curve_set *s)
+{
+    enum { STEPS = 48 };
+    tz_rng g = tz_rng_make(11, 4);
+    int32_t pen, node = 0, first = 0;
+    *s = (tz_curve_set){.ctx = c,
+                        .domain = {.size = {side, side, 0}, .torus = torus},
+                        .element = {.ctx = c}};
+    tz_status st = tz_curve_add_pen(s, (tz_curve_pen){.width = 1, .color = 255}, &pen);
+    for (int i = 0; i < (int)(side / 15) && st == TZ_OK; i++) {
+        const int hole = (int)tz_rng_range(&g, 8, 20),
+                  last = hole + (int)tz_rng_range(&g, 2, 12);
+        bool open = false;
+        for (int k = 0; k <= STEPS && st == TZ_OK; k++) {
+            if (broken && i % 3 && k > hole && k < last) {
+                if (open)
+                    tz_curve_end(s, false);
+                open = false;
+                continue;
+            }
+            const double x = side * k / STEPS,
+                         y = 7.5 + 15 * i + 5 * sin(2 * TZ_PI * 2 * x / side);
+            const int32_t before = node;
+            if (torus && k == STEPS && open)
+                node = first;
+            else
+                st = tz_curve_add_node(s, (tz_vec2){fmin(x, side), y}, &node);
+            if (st != TZ_OK)
+                break;
+            first = k == 0 ? node : first;
+            const tz_vec2 p = s->node.v[before];
+            const double h = side / STEPS / 3, slope = 5 * 2 * TZ_PI * 2 / side,
+                         from = slope * cos(2 * TZ_PI * 2 * (x - 3 * h) / side),
+                         to = slope * cos(2 * TZ_PI * 2 * x / side);
+            if (!open)
+                st = st == TZ_OK ? tz_curve_begin(s, pen) : st;
+            else if (st == TZ_OK)
+                st = tz_curve_cubic(s, before, node, (tz_vec2){p.x + h, p.y + h * from},
+                                    (tz_vec2){x - h, y - h * to});
+            open = true;
+        }
+        if (open && st == TZ_OK)
+            tz_curve_end(s, torus && !(broken && i % 3));
+    }
+    if (st == TZ_OK)
+        tz_curve_wrap(s);
+    return st;
+}
+
+static int32_t junctions(const tz_curve_set *s)
+{
+    int32_t *degree = calloc((size_t)s->node.n, sizeof *degree), n = 0;
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        degree[s->piece.v[i].from]++;
+        degree[s->piece.v[i].to]++;
+    }
+    for (int32_t i = 0; i < s->node.n; i++)
+        n += degree[i] > 2;
+    free(degree);
+    return n;
+}
+
+/* Lines without ends get hardly any: they are paired over wide gaps, nothing meets, and hardly
+ * any length is lost. */
+static void test_pairs(void **state)
+{
+    (void)state;
+    for (int torus = 0; torus < 2; torus++) {
+        tz_curve_set x, s;
+        tz_curve_finish_report r;
+        ok(ctx, waves(ctx, 300, false, false, &x));
+        ok(ctx, waves(ctx, 600, true, torus, &s));
+        const double before = total_length(&s);
+        ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+        ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+        if (r.ends[0] < 50 || 20 * r.ends[1] > r.ends[0])
+            fail_msg("torus %d: ends %d to %d, closed %d", torus, r.ends[0], r.ends[1],
+                     r.closed);
+        assert_int_equal(junctions(&s), 0);
+        assert_true(total_length(&s) > 0.95 * before);
+        tz_curve_set_deinit(&x);
+        tz_curve_set_deinit(&s);
+    }
+}
+
+static tz_status pair_once(tz_ctx *c, tz_curve_set *s)
+{
+    tz_curve_set x = {0};
+    memset(s, 0, sizeof *s);
+    tz_status st = waves(c, 90, false, false, &x);
+    if (st == TZ_OK)
+        st = waves(c, 90, true, false, s);
+    if (st == TZ_OK)
+        st = tz_curve_finish(c, &x, NULL, s, NULL);
+    tz_curve_set_deinit(&x);
+    return st;
+}
+
+static tz_status pair_memory(tz_ctx *c)
+{
+    tz_curve_set s;
+    const tz_status st = pair_once(c, &s);
+    tz_curve_set_deinit(&s);
+    return st;
+}
+
+static void test_pair_memory(void **state)
+{
+    (void)state;
+    survive(pair_memory, 1);
+}
+
 /* What is given stays and is none of the result, but lines are drawn to it. */
 static void test_given(void **state)
 {
@@ -333,6 +447,11 @@ static void test_same_bytes(void **state)
     }
     for (int k = 0; k < 3; k++) {
         tz_curve_set_deinit(&s[k]);
+        ok(c[k], pair_once(c[k], &s[k]));
+        same(&s[0], &s[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        tz_curve_set_deinit(&s[k]);
         end_ctx(c[k]);
     }
 }
@@ -361,7 +480,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_carry, begin, end),
         cmocka_unit_test_setup_teardown(test_rough, begin, end),
         cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test_setup_teardown(test_pairs, begin, end),
         cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_pair_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
