@@ -8,7 +8,8 @@
  *   quilt_patch.c   candidates for a place, and their exact shift
  *   quilt_seam.c    minimum cut between what lies there and a candidate
  *   quilt_cut.c     curves of each patch inside its cells, and where they are cut
- *   quilt_pair.c    cuts paired over the seams
+ *   quilt_order.c   cuts paired in order along each seam
+ *   quilt_pair.c    and what is left by place
  *   quilt_warp.c    the field that moves paired ends onto each other
  *   quilt_emit.c    runs chained to paths
  */
@@ -245,6 +246,10 @@ void quilt_runs_deinit(quilt_runs *r);
 /* Takes away things that would lie over what other patches have laid. */
 tz_status quilt_drop_things(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
                             quilt_runs *r);
+/* Pairs cuts along each seam, or joins neighbours by bridges, by least cost.
+ * @param loose  cost of an end that stays */
+tz_status quilt_order(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+                      quilt_runs *r, double loose);
 tz_status quilt_pair(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
                      quilt_runs *r, tz_curve_quilt_report *report);
 /* The field that moves the ends of pairs onto each other, and all of their patch about

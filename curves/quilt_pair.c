@@ -121,27 +121,33 @@ static float bridge_cost(const pairing *q, const quilt_cut *a, const quilt_cut *
     return cost < 1 && is_free(q->m, &bridge) ? (float)cost : INFINITY;
 }
 
-/* Ends within the exemplar, which are no crossings of its border. */
+/* Ends of lines that may be copied, an area: those at the exemplar's border are none. */
 static double ends_of(const quilt_source *s)
 {
-    const tz_vec3 size = s->set->domain.size;
     double n = 0;
     for (int32_t i = 0; i < s->set->node.n; i++) {
         const tz_vec2 p = s->set->node.v[i];
-        n += s->degree[i] == 1 && p.x > s->cell && p.y > s->cell &&
-             p.x < size.x - s->cell && p.y < size.y - s->cell;
+        n += s->degree[i] == 1 && p.x > s->lo.x + s->cell && p.y > s->lo.y + s->cell &&
+             p.x < s->hi.x - s->cell && p.y < s->hi.y - s->cell;
     }
-    return n;
+    return n / ((s->hi.x - s->lo.x) * (s->hi.y - s->lo.y));
+}
+
+/* What an end costs that stays loose, against 1 for one that is moved by half the lines'
+ * distance: from 1, where one in four of the spacings squared has one, to 6. */
+static double loose_cost(const quilt_source *s)
+{
+    const double ends = ends_of(s) * s->spacing * s->spacing;
+    return fmax(1, fmin(6, 0.12 / fmax(ends, 1e-6)));
 }
 
 /* Whether more ends are left than a tenth of those that the exemplar would have. */
 static bool too_many_ends(const pairing *q)
 {
-    const tz_vec3 size = q->s->set->domain.size;
     double left = 0;
     for (int32_t i = 0; i < q->r->cut.n; i++)
         left += pairs_at_all(&q->r->cut.v[i]) && q->r->cut.v[i].run >= 0;
-    return left > 0.1 * ends_of(q->s) * tz_domain_area(q->m->domain) / (size.x * size.y);
+    return left > 0.1 * ends_of(q->s) * tz_domain_area(q->m->domain);
 }
 
 static tz_status find_links(pairing *q, double reach)
@@ -349,6 +355,8 @@ tz_status quilt_pair(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
     tz_status st = tz_alloc(ctx, &q.up, (size_t)r->cut.n, sizeof *q.up);
     if (st == TZ_OK)
         st = tz_alloc(ctx, &q.colour, (size_t)r->cut.n, sizeof *q.colour);
+    if (st == TZ_OK)
+        st = quilt_order(ctx, s, m, r, loose_cost(s));
     for (int round = 1; round <= ROUNDS + BRIDGES && st == TZ_OK; round++) {
         if (round == ROUNDS + 1 && !too_many_ends(&q))
             break;

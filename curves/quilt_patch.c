@@ -251,6 +251,31 @@ static tz_vec2 least_shift(const quilt_source *s, tz_vec2 v)
     return v;
 }
 
+/* Whether a source would go on where a patch as far away as the exemplar is wide has begun:
+ * around a torus that has no end, and would repeat the exemplar as it is. */
+static bool goes_on(const quilt_source *s, const quilt_map *m, const quilt_place *place,
+                    tz_vec2 from)
+{
+    const tz_vec3 size = s->original->domain.size;
+    const double far = 0.6 * fmax(size.x, size.y), farther = 1.6 * fmax(size.x, size.y);
+    if (!s->original->domain.torus)
+        return false;
+    for (int32_t i = 0; i < place->seen; i++) {
+        const quilt_patch *q = &m->patch.v[i];
+        const tz_vec3 v = tz_domain_vector(m->domain, (tz_vec3){q->to.x, q->to.y, 0},
+                                           (tz_vec3){place->at.x, place->at.y, 0});
+        const double d = hypot(v.x, v.y);
+        if (!(q->half.x > 0) || d < far || d > farther)
+            continue;
+        const tz_vec2 e =
+            least_shift(s, tz_vec2_sub(tz_vec2_sub(from, q->from),
+                                       quilt_unturn(q, (tz_vec2){v.x, v.y})));
+        if (tz_vec2_length(e) < 0.1 * s->patch)
+            return true;
+    }
+    return false;
+}
+
 /* How much a source is to be avoided: patches near by took theirs from there. */
 static double repeats(const quilt_source *s, const quilt_map *m, const quilt_place *place,
                       tz_vec2 from)
@@ -572,9 +597,11 @@ static int32_t choose(const quilt_source *s, const quilt_map *m, const quilt_pla
             const double score =
                 (double)shift_score(s, w, cw, ch, x, y) / fmax(known, 1) + 1e-6;
             const double off = excess(s, x, y, cw, ch) + owed;
+            const bool again = goes_on(s, m, place, from);
             w->score[(ptrdiff_t)y * nx + x] =
                 (float)(known > 0 ? score * vary * repeats(s, m, place, from) *
-                                        (1 + 2 * off * off)
+                                            (1 + 2 * off * off) +
+                                        (again ? 1e3 : 0)
                                   : vary + off * off + 1e3 * (score - 1e-6));
         }
     return best_shifts(w, nx, ny, known > 0 ? most : 1, best);
