@@ -8,6 +8,7 @@
 #include "curves/synthesis.h"
 
 #include <string.h>
+#include <time.h>
 
 #include "curves/synthesis_internal.h"
 
@@ -41,6 +42,13 @@ const tz_param_table tz_curve_synthesis_param_table = {
 
 /* ---- one iteration ------------------------------------------------------------------ */
 
+static double seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 static tz_curve_energy energy_of(const tz_curve_solve *t)
 {
     tz_curve_energy e = {.level = t->level,
@@ -52,6 +60,7 @@ static tz_curve_energy energy_of(const tz_curve_solve *t)
         e.match += isfinite(t->cost[i]) ? (double)t->cost[i] : 0;
         e.domain += depth < 0 ? depth * depth : 0;
     }
+    e.neighbours = e.samples > 0 ? (double)t->m.ho.first[e.samples] / e.samples : 0;
     e.mean = e.samples > 0 ? e.match / (e.samples * t->o.spacing) : 0;
     return e;
 }
@@ -118,7 +127,9 @@ static tz_status rebuild(tz_curve_solve *t)
 static tz_status iterate(tz_curve_solve *t)
 {
     tz_curve_energy e = {0};
+    const double begun = seconds();
     tz_status s = tz_curve_solve_search(t, t->iteration == 0 ? 5 : 2);
+    const double searched = seconds();
     if (s == TZ_OK)
         e = energy_of(t);
     if (s == TZ_OK)
@@ -136,6 +147,8 @@ static tz_status iterate(tz_curve_solve *t)
     if (s == TZ_OK)
         s = tz_curve_solve_shapes(t);
     tz_curve_solve_forget(t);
+    e.search = searched - begun;
+    e.assign = seconds() - searched;
     if (s == TZ_OK && t->job->trace)
         t->job->trace(t->job->user, &e, &t->o);
     return s;

@@ -53,9 +53,11 @@ TZ_API extern const tz_param_table tz_curve_synthesis_param_table;
 typedef struct tz_curve_energy {
     int32_t level, iteration;
     int32_t samples, edges;
-    double match;  /**< Eq. (12), first term: sum over samples of Eq. (7) */
-    double domain; /**< Eq. (12), second term */
-    double mean;   /**< match over samples, in units of the level's spacing */
+    double match;          /**< Eq. (12), first term: sum over samples of Eq. (7) */
+    double domain;         /**< Eq. (12), second term */
+    double mean;           /**< match over samples, in units of the level's spacing */
+    double neighbours;     /**< samples of a neighbourhood, on average */
+    double search, assign; /**< what both steps took, seconds */
 } tz_curve_energy;
 
 typedef struct tz_curve_synthesis_job {

@@ -358,11 +358,12 @@ bench_likeness() {
         density overlaps_exemplar overlaps hole_exemplar hole <"$out/lines"
 }
 
-# curve_row NAME EXEMPLAR METHOD : one line of figures of a layout of nine times the area
+# curve_row NAME EXEMPLAR LABEL OPTION... : one line of figures of a layout of four times the
+# area
 curve_row() {
     local made json seconds
-    made=$("$terrazzo" arrange "$2" --as curves -o "$out/$1-$3.svg" --grow 3 \
-        --curve-method "$3" --quiet --json 2>"$out/errors") || {
+    made=$("$terrazzo" arrange "$2" --as curves -o "$out/$1-$3.svg" --grow 2 \
+        "${@:4}" --quiet --json 2>"$out/errors") || {
         printf '  %-24s %s\n' "$1" "$(head -n 1 "$out/errors")" >&2
         return 1
     }
@@ -397,43 +398,47 @@ curve_exemplars() {
 }
 
 bench_curves() {
-    title "curves: layouts of nine times the area against their drawings and the lines of photos, as
+    title "curves: layouts of four times the area against their drawings and the lines of photos, as
 compare measures (goals: mean ratio under 1.3, length per area within 5 %, no more dangling
 ends per length, node degrees within 5 %)"
     local f method seconds exemplars
     mapfile -t exemplars < <(curve_exemplars)
     : >"$out/lines"
     for f in "${exemplars[@]}"; do
-        for method in auto quilt optimise; do
-            curve_row "$(basename "${f%.svg}")" "$f" "$method" >>"$out/lines" || break
+        for method in auto optimise; do
+            curve_row "$(basename "${f%.svg}")" "$f" "$method" --curve-method "$method" \
+                >>"$out/lines" || break
         done
     done
-    awk 'BEGIN { printf "  %-26s %-9s %7s %6s %7s %17s %7s %15s  %s\n", "drawing", "method",
+    # parts of the optimiser left out ([Tu20] Fig. 14, 16)
+    for f in "${exemplars[@]:0:4}"; do
+        for method in edges robust existence detail finish; do
+            curve_row "$(basename "${f%.svg}")" "$f" "no-$method" --curve-method optimise \
+                "--no-curve-$method" >>"$out/lines"
+        done
+        curve_row "$(basename "${f%.svg}")" "$f" noise --curve-method optimise \
+            --curve-start noise >>"$out/lines"
+    done
+    awk 'BEGIN { printf "  %-26s %-12s %7s %6s %7s %17s %7s %15s  %s\n", "drawing", "method",
                  "s", "mean", "length", "dangling", "degrees", "repeats", "goals" }
          { length_ratio = $5 > 0 ? $6 / $5 : 0
            met = $4 < 1.3 && length_ratio > 0.95 && length_ratio < 1.05 &&
                  $8 <= $7 * 1.000001 && $9 <= 0.05
            count[$2] += met; means[$2] += $4 < 1.3; all[$2]++
-           printf "  %-26s %-9s %7.2f %6.2f %7.3f %8.5f %8.5f %7.3f %7.3f %7.3f  %s\n", $1, $2, $3,
+           printf "  %-26s %-12s %7.2f %6.2f %7.3f %8.5f %8.5f %7.3f %7.3f %7.3f  %s\n", $1, $2, $3,
                $4, length_ratio, $7, $8, $9, $10, $11, met ? "met" : "MISSED" }
-         END { for (m in all) printf "  %-9s %d of %d meet all; mean ratio under 1.3: %d\n", m,
-                   count[m], all[m], means[m] }' "$out/lines"
+         END { for (m in all) printf "  %-12s %d of %d meet all; mean ratio under 1.3: %d\n", m,
+                   count[m], all[m], means[m] | "sort" }' "$out/lines"
     rows curves drawing method seconds mean length_exemplar length dangling_exemplar \
         dangling degree_off repeats_exemplar repeats <"$out/lines"
     echo
-    echo "  time against samples, optimised (goals: 1,300 samples in 1 s, 20,000 under 30 s, linear)"
-    f=${exemplars[0]}
-    : >"$out/lines-speed"
-    for method in 1 2 4 8; do
-        made=$("$terrazzo" arrange "$f" --as curves -o "$out/speed.svg" --grow "$method" \
-            --curve-method optimise --quiet --json) || return 1
-        echo "$(basename "${f%.svg}") $method $(number samples "$made") $(number solve "$made")" \
-            "$(number finish "$made") $(number compare "$made")" \
-            "$(number cpu_seconds "$made") $(number memory_peak "$made")" >>"$out/lines-speed"
-    done
-    awk '{ printf "  %-26s %dx  %6d samples  solve %7.2f s  %7.3f ms a sample  finish %6.2f s  measure %5.2f s  cpu %7.2f s  %4d MiB\n",
-           $1, $2, $3, $4, 1000 * $4 / $3, $5, $6, $7, $8 / 1048576 }' "$out/lines-speed"
-    rows curves-speed drawing grow samples solve finish measure cpu peak <"$out/lines-speed"
+    echo "  the optimiser (goals: 1,300 samples in 1 s on 2 cores, 20,000 under 30 s, linear)"
+    "$tools/bench_curve_synthesis" "${exemplars[0]}" "${exemplars[2]:-${exemplars[0]}}" \
+        >"$out/lines-speed" || return 1
+    sed 's/^curves synthesis /  /' "$out/lines-speed"
+    sed -n 's/^curves synthesis \([^ ]*\) *x\([0-9.]*\) threads \([0-9]*\).* all \([0-9.]*\) s  cpu \([0-9.]*\) s  \([0-9.]*\) ms.*/\1 \2 \3 \4 \5 \6/p' \
+        "$out/lines-speed" >"$out/lines-rows"
+    rows curves-speed drawing grow threads seconds cpu ms_cpu_a_sample <"$out/lines-rows"
     echo
     "$tools/bench_curves" "${exemplars[0]}" | sed 's/^/  /'
 }
