@@ -483,7 +483,7 @@ tz_status tz_curve_weld(tz_ctx *ctx, tz_curve_set *s, int32_t first, double reac
 {
     welder w = {.ctx = ctx, .s = s};
     int32_t *map = NULL, *uses = NULL;
-    tz_curve_set next = {0};
+    tz_curve_set next = {0}, used = {0};
     if (joined)
         *joined = 0;
     if (first >= s->path.n || first <= 0)
@@ -523,8 +523,11 @@ tz_status tz_curve_weld(tz_ctx *ctx, tz_curve_set *s, int32_t first, double reac
     for (int32_t i = 0; i < nodes; i++)
         map[i] = -1;
     st = rebuild(&w, map, &next);
+    if (st == TZ_OK) /* without nodes that cuts have left alone */
+        st = tz_curve_choose(ctx, &next, NULL, NULL, NULL, (tz_vec2){0, 0}, &used);
     if (st == TZ_OK) {
-        replace(s, &next);
+        replace(s, &used);
+        tz_curve_set_deinit(&next);
         next = (tz_curve_set){0};
         if (joined)
             *joined = w.joined;
