@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Expands three real photos to 2048 x 2048 pixels as PNG and EXR, with a contact sheet of
-# each (exemplar beside result), and two drawings to layouts of elements; prints the paths
-# and the times.
+# each (exemplar beside result), two drawings to layouts of elements, two to layouts of
+# curves, a photo by its lines, and fills a tile with things; prints the paths and the times.
 #
 #   tests/demo.sh BUILDDIR
 set -u
@@ -58,5 +58,28 @@ for name in current chips; do
     sheet+=("$out/${name}_drawing.png" "$out/$name.png")
     labels+="|$name, a drawing|2048 x 2048 px, $placed + $seconds s"
 done
+# shown NAME WHAT BEFORE : a layout that took $placed, beside what it was made from
+shown() {
+    run "$terrazzo" render "$out/$1.svg" -o "$out/$1.png"
+    printf '%s s  %s\n%s s  %s\n' "$placed" "$out/$1.svg" "$seconds" "$out/$1.png"
+    run "$terrazzo" render "$3" -o "$out/$1_drawing.png"
+    sheet+=("$out/$1_drawing.png" "$out/$1.png")
+    labels+="|$1, $2|$placed + $seconds s"
+}
+for name in streets vine; do
+    drawing=$build/cache/photos/$name.svg
+    run "$terrazzo" arrange "$drawing" --as curves -o "$out/$name.svg" --grow 2 --seed 7
+    placed=$seconds
+    shown "$name" "lines" "$drawing"
+done
+drawing=$build/cache/photos/garden.svg
+run "$terrazzo" fill "$drawing" -o "$out/garden.svg" --size 900x900 --tile --seed 7
+placed=$seconds
+shown garden "a palette" "$drawing"
+photo=${photos[2]}
+run "$terrazzo" expand "$photo" --as curves -o "$out/lines.png" --size 1024x1024 --seed 7
+printf '%s s  %s\n' "$seconds" "$out/lines.png"
+sheet+=("$photo" "$out/lines.png")
+labels+="|$(basename "${photo%.*}"), a photo|by its lines, $seconds s"
 run "$terrazzo" sheet "${sheet[@]}" -o "$out/sheet.png" --cell 768x768 --labels "$labels"
 echo "all together: $out/sheet.png"

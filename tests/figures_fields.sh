@@ -74,7 +74,7 @@ cat >whirl.svg <<'SVG'
 stop-color="#0f0"/></linearGradient></defs><rect width="256" height="256" fill="url(#x)"/><rect
 width="256" height="256" fill="url(#y)" style="mix-blend-mode:screen"/></svg>
 SVG
-rsvg-convert -w 480 whirl.svg -o whirl.png
+rsvg-convert -w 1200 whirl.svg -o whirl.png
 tz fill current.svg -o whirled.svg $size --directions whirl.png --seed 3
 picture whirled 1200
 tz fill garden.svg -o mixed.svg $size --seed 3 --mix "leaf:3 size=0.6..1.6, bead:2 \
