@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "elements/fill_internal.h"
 
-#define HALO 3.0 /* mean reaches about a stroke that give way */
+#define HALO 2.0 /* mean reaches about a stroke that give way */
 enum { STREAM_BRUSH = 0xf1e21 };
 
 static tz_status check(tz_fill *f, int32_t n, const tz_vec2 *stroke, double radius)

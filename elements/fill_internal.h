@@ -33,6 +33,7 @@ enum {
                                  block, so that threads do not matter */
     TZ_FILL_SERIAL = 2048,  /**< below that many the caller does all itself */
     TZ_FILL_MOST = 2000000, /**< bodies */
+    TZ_FILL_FEW = 4,        /**< outline points that are looked at together */
     TZ_FILL_BORDER = 64     /**< outline points of a model that contacts are found at */
 };
 #define TZ_FILL_GRAPH 100.0 /**< w_g of Eq. (4) */
@@ -53,6 +54,8 @@ typedef struct tz_fill_model {
     double inverse[TZ_COVER_DISCS * TZ_COVER_DISCS]; /**< of 1 + 2 w_g Laplacian */
     tz_disc_cover cover;
     tz_vec2 *border; /**< points of the outline, evenly spaced */
+    double
+        span[TZ_FILL_BORDER / TZ_FILL_FEW]; /**< from the first of a few to the others */
     int32_t borders, samples;
     tz_vec2 *sample; /**< the palette element's own samples */
 } tz_fill_model;

@@ -24,7 +24,7 @@
 enum {
     WIDE = 20,    /* rounds with a margin */
     ROUNDS = 144, /* without, at most */
-    AGAIN = 12,   /* rounds that neighbours are good for */
+    AGAIN = 24,   /* rounds that neighbours are good for */
     STALL = 24,   /* rounds in which the count must fall */
     SHRINKS = 12,
     JAMS = 3,   /* times that jams are loosened */
@@ -33,7 +33,7 @@ enum {
 };
 #define MARGIN 0.08  /* of the largest disc */
 #define JAM    0.35  /* of the largest disc: so deep is a jam */
-#define HELD   0.004 /* radians */
+#define HELD   0.012 /* radians */
 #define LEAST  0.8
 #define DEEP   0.004 /* of the largest disc: no contact yet */
 
@@ -137,7 +137,7 @@ static double depth_in(const repair *r, int32_t i, tz_vec2 at, tz_vec2 *out)
         tz_fill_vector(f, (tz_vec3){p->at.x, p->at.y, 0}, (tz_vec3){at.x, at.y, 0});
     const double reach = p->reach * (1 + r->margin);
     if (v.x * v.x + v.y * v.y >= reach * reach || (p->soft && !near_disc(f, i, at)))
-        return -HUGE_VAL;
+        return *out = (tz_vec2){0, 0}, -HUGE_VAL;
     if (p->soft) {
         in = tz_fill_to_model(f, i, at, &scale, &turn);
     } else {
@@ -162,6 +162,62 @@ static double slack_of(const tz_fill *f, int32_t i)
     return DEEP * f->radius[b->first] * tz_fill_scale(f, b->first);
 }
 
+/* Distance to a shape's border at a place well inside its grid; no slope. */
+static inline double quick_distance(const tz_shape_distance *d, double x, double y)
+{
+    const int32_t i = (int32_t)x, j = (int32_t)y;
+    const double s = x - i, t = y - j;
+    const float *p = d->v + (ptrdiff_t)j * d->width + i, *q = p + d->width;
+    return ((double)p[0] * (1 - s) + (double)p[1] * s) * (1 - t) +
+           ((double)q[0] * (1 - s) + (double)q[1] * s) * t;
+}
+
+/* The same for a body that does not bend: places go straight to its grid. Which point of
+ * a's outline is deepest, -1 = none over *most. */
+static int32_t deepest_in_rigid(const repair *r, int32_t a, int32_t b, double *most)
+{
+    const tz_fill_model *m = &r->f->model.v[r->f->body.v[a].model],
+                        *in = &r->f->model.v[r->f->body.v[b].model];
+    const tz_shape_distance *d = &in->cover.distance;
+    const pose *p = &r->pose[a], *q = &r->pose[b];
+    const tz_vec3 v = tz_fill_vector(r->f, (tz_vec3){q->at.x, q->at.y, 0},
+                                     (tz_vec3){p->at.x, p->at.y, 0});
+    const double by = 1 / (q->scale * q->scale * d->cell);
+    const double c = q->turn.x * by, s = q->turn.y * by;
+    const double x0 = c * v.x + s * v.y - d->origin.x / d->cell,
+                 y0 = c * v.y - s * v.x - d->origin.y / d->cell;
+    const double mx = c * p->turn.x + s * p->turn.y, my = c * p->turn.y - s * p->turn.x;
+    const double wide = d->width - 1, high = d->height - 1, scale = q->scale;
+    const tz_vec2 *soft = r->border + (ptrdiff_t)p->border * TZ_FILL_BORDER;
+    const double cell = d->cell * scale, margin = 4 * cell; /* of the grid, MARGIN */
+    const double stretch = p->soft ? 2 : 1;                 /* of a bent outline */
+    int32_t best = -1;
+    for (int32_t k = 0; k < m->borders; k++) {
+        double x, y, e;
+        if (p->soft) {
+            const double u = soft[k].x - p->at.x, w = soft[k].y - p->at.y;
+            x = x0 + c * u + s * w, y = y0 + c * w - s * u;
+        } else {
+            const tz_vec2 u = m->border[k];
+            x = x0 + mx * u.x - my * u.y, y = y0 + my * u.x + mx * u.y;
+        }
+        if (x >= 0 && y >= 0 && x < wide && y < high) {
+            e = quick_distance(d, x, y) * scale;
+            if (e > *most)
+                *most = e, best = k;
+        } else {
+            const double ox = x < 0 ? -x : x - wide, oy = y < 0 ? -y : y - high;
+            const double off = ox > oy ? ox : oy;
+            e = -margin - (off > 0 ? cell * off : 0);
+        }
+        /* distances change by no more than the way: none of the few can be deeper */
+        if (k % TZ_FILL_FEW == 0 &&
+            e + stretch * p->scale * m->span[k / TZ_FILL_FEW] < *most)
+            k += TZ_FILL_FEW - 1;
+    }
+    return best;
+}
+
 /* Border point of a that is deepest in b, or nearest; least is returned if none is
  * deeper than that. */
 static double deepest(const repair *r, int32_t a, int32_t b, double least, tz_vec2 *at,
@@ -169,6 +225,14 @@ static double deepest(const repair *r, int32_t a, int32_t b, double least, tz_ve
 {
     const tz_fill_model *m = &r->f->model.v[r->f->body.v[a].model];
     double most = least;
+    if (!r->pose[b].soft) {
+        const int32_t k = deepest_in_rigid(r, a, b, &most);
+        if (k >= 0) {
+            *at = border_point(r, a, k);
+            depth_in(r, b, *at, out);
+        }
+        return most;
+    }
     for (int32_t k = 0; k < m->borders; k++) {
         tz_vec2 way;
         const tz_vec2 q = border_point(r, a, k);
@@ -356,8 +420,8 @@ static void wake_moved(repair *r)
 
 static void wake_every(repair *r)
 {
-    for (int32_t i = 0; i < r->f->body.n; i++)
-        r->awake[i] = true;
+    for (int32_t j = 0; j < r->f->live.n; j++)
+        r->awake[r->f->live.v[j]] = true;
 }
 
 /* One round; *left = bodies that overlap more than the slack. */
@@ -673,7 +737,7 @@ static tz_status even_out(repair *r)
     }
     tz_status s = tz_fill_lists(f);
     if (s == TZ_OK)
-        s = push_rounds(r, WIDE / 2, MARGIN);
+        s = push_rounds(r, f->local ? WIDE / 4 : WIDE / 2, MARGIN);
     return s == TZ_OK ? push_rounds(r, ROUNDS / 2, 0) : s;
 }
 
@@ -696,7 +760,7 @@ tz_status tz_fill_repair(tz_fill *f)
     if (s == TZ_OK)
         s = find_poses(&r);
     if (s == TZ_OK)
-        s = push_rounds(&r, WIDE, MARGIN);
+        s = push_rounds(&r, f->local ? WIDE / 4 : WIDE, MARGIN);
     if (s == TZ_OK)
         s = push_rounds(&r, ROUNDS, 0);
     if (s == TZ_OK)
