@@ -135,6 +135,8 @@ typedef struct quilt_window {
     uint8_t *side;  /* result: 1 = fresh */
     uint8_t *best;  /* that of the best candidate */
     struct quilt_flow *flow;
+    int32_t near[256]; /* patches whose sources count, about the place */
+    int32_t nears;
     float wave[384]; /* sine of directions, 256 = pi */
     float *score;    /* of each shift */
     float *feature;  /* of what lies there already */

@@ -251,17 +251,35 @@ static tz_vec2 least_shift(const quilt_source *s, tz_vec2 v)
     return v;
 }
 
+/* Patches that a source is compared with: those about the place. */
+static void list_near(const quilt_source *s, const quilt_map *m, const quilt_place *place,
+                      quilt_window *w)
+{
+    const tz_vec3 size = s->original->domain.size;
+    const double reach =
+        s->original->domain.torus ? 1.6 * fmax(size.x, size.y) : 1.2 * s->patch;
+    w->nears = 0;
+    for (int32_t i = place->seen - 1; i >= 0; i--) {
+        const quilt_patch *q = &m->patch.v[i];
+        const tz_vec3 v = tz_domain_vector(m->domain, (tz_vec3){q->to.x, q->to.y, 0},
+                                           (tz_vec3){place->at.x, place->at.y, 0});
+        if (fabs(v.x) < reach && fabs(v.y) < reach && hypot(v.x, v.y) < reach &&
+            w->nears < (int32_t)(sizeof w->near / sizeof *w->near))
+            w->near[w->nears++] = i;
+    }
+}
+
 /* Whether a source would go on where a patch as far away as the exemplar is wide has begun:
  * around a torus that has no end, and would repeat the exemplar as it is. */
 static bool goes_on(const quilt_source *s, const quilt_map *m, const quilt_place *place,
-                    tz_vec2 from)
+                    const quilt_window *w, tz_vec2 from)
 {
     const tz_vec3 size = s->original->domain.size;
     const double far = 0.6 * fmax(size.x, size.y), farther = 1.6 * fmax(size.x, size.y);
     if (!s->original->domain.torus)
         return false;
-    for (int32_t i = 0; i < place->seen; i++) {
-        const quilt_patch *q = &m->patch.v[i];
+    for (int32_t i = 0; i < w->nears; i++) {
+        const quilt_patch *q = &m->patch.v[w->near[i]];
         const tz_vec3 v = tz_domain_vector(m->domain, (tz_vec3){q->to.x, q->to.y, 0},
                                            (tz_vec3){place->at.x, place->at.y, 0});
         const double d = hypot(v.x, v.y);
@@ -278,12 +296,12 @@ static bool goes_on(const quilt_source *s, const quilt_map *m, const quilt_place
 
 /* How much a source is to be avoided: patches near by took theirs from there. */
 static double repeats(const quilt_source *s, const quilt_map *m, const quilt_place *place,
-                      tz_vec2 from)
+                      const quilt_window *w, tz_vec2 from)
 {
     double k = 1;
     const double near = 1.2 * s->patch, same = 0.3 * s->patch;
-    for (int32_t i = 0; i < place->seen; i++) {
-        const quilt_patch *q = &m->patch.v[i];
+    for (int32_t i = 0; i < w->nears; i++) {
+        const quilt_patch *q = &m->patch.v[w->near[i]];
         const tz_vec3 v = tz_domain_vector(m->domain, (tz_vec3){q->to.x, q->to.y, 0},
                                            (tz_vec3){place->at.x, place->at.y, 0});
         if (v.x * v.x + v.y * v.y > near * near)
@@ -579,32 +597,84 @@ static double excess(const quilt_source *s, int32_t x, int32_t y, int32_t w, int
 
 /* ---- all of it ---------------------------------------------------------------------- */
 
+/* The shifts about a place, and the size of its window in cells of features. */
+typedef struct shifting {
+    const quilt_source *s;
+    const quilt_map *m;
+    const quilt_place *place;
+    quilt_window *w;
+    int32_t cw, ch, nx, ny;
+    double known; /* cells where something lies */
+    double owed;  /* by how much too much was laid */
+} shifting;
+
+static double score_at(const shifting *h, int32_t x, int32_t y, double vary)
+{
+    const quilt_source *s = h->s;
+    const tz_vec2 from = {s->lo.x + (x + h->cw * 0.5) * s->coarse,
+                          s->lo.y + (y + h->ch * 0.5) * s->coarse};
+    const double score = (double)shift_score(s, h->w, h->cw, h->ch, x, y) /
+                             fmax(h->known, 1) +
+                         1e-6,
+                 off = excess(s, x, y, h->cw, h->ch) + h->owed;
+    if (!(h->known > 0))
+        return vary + off * off + 1e3 * (score - 1e-6);
+    return score * vary * repeats(s, h->m, h->place, h->w, from) * (1 + 2 * off * off) +
+           (goes_on(s, h->m, h->place, h->w, from) ? 1e3 : 0);
+}
+
+/* The best of a shift and those beside it. */
+static void refine(const shifting *h, shift *v)
+{
+    const shift at = *v;
+    double least = INFINITY;
+    for (int32_t y = at.y - 1; y <= at.y + 1; y++)
+        for (int32_t x = at.x - 1; x <= at.x + 1; x++) {
+            if (x < 0 || y < 0 || x >= h->nx || y >= h->ny)
+                continue;
+            const double score = score_at(h, x, y, 1);
+            if (score < least) {
+                least = score;
+                *v = (shift){(float)score, x, y};
+            }
+        }
+}
+
+/* The best shifts by features, which change little from one to the next: of many only
+ * every other one each way is looked at, and those beside the best. */
 static int32_t choose(const quilt_source *s, const quilt_map *m, const quilt_place *place,
                       const quilt_patch *p, tz_rng *g, quilt_window *w, shift *best,
                       int32_t most)
 {
+    enum { FEW = 400 };
     const int32_t cw = (int32_t)fmin(s->fx, fmax(1, 2 * p->half.x / s->coarse + 0.01)),
                   ch = (int32_t)fmin(s->fy, fmax(1, 2 * p->half.y / s->coarse + 0.01));
-    const int32_t nx = s->fx - cw + 1, ny = s->fy - ch + 1;
-    const double known = read_features(s, m, p, w, cw, ch);
-    const double room = s->density * w->w * w->h,
-                 owed = room > 0 ? fmax(-0.5, fmin(0.5, m->balance / room)) : 0;
-    for (int32_t y = 0; y < ny; y++)
-        for (int32_t x = 0; x < nx; x++) {
-            const tz_vec2 from = {s->lo.x + (x + cw * 0.5) * s->coarse,
-                                  s->lo.y + (y + ch * 0.5) * s->coarse};
-            const double vary = known > 0 ? 0.9 + 0.2 * tz_rng_unit(g) : tz_rng_unit(g);
-            const double score =
-                (double)shift_score(s, w, cw, ch, x, y) / fmax(known, 1) + 1e-6;
-            const double off = excess(s, x, y, cw, ch) + owed;
-            const bool again = goes_on(s, m, place, from);
-            w->score[(ptrdiff_t)y * nx + x] =
-                (float)(known > 0 ? score * vary * repeats(s, m, place, from) *
-                                            (1 + 2 * off * off) +
-                                        (again ? 1e3 : 0)
-                                  : vary + off * off + 1e3 * (score - 1e-6));
+    shifting h = {.s = s,
+                  .m = m,
+                  .place = place,
+                  .w = w,
+                  .cw = cw,
+                  .ch = ch,
+                  .nx = s->fx - cw + 1,
+                  .ny = s->fy - ch + 1};
+    h.known = read_features(s, m, p, w, cw, ch);
+    const double room = s->density * w->w * w->h;
+    h.owed = room > 0 ? fmax(-0.5, fmin(0.5, m->balance / room)) : 0;
+    const bool sparse = (double)h.nx * h.ny > FEW;
+    const int32_t px = (int32_t)(2 * tz_rng_unit(g)), py = (int32_t)(2 * tz_rng_unit(g));
+    for (int32_t y = 0; y < h.ny; y++)
+        for (int32_t x = 0; x < h.nx; x++) {
+            float *to = &w->score[(ptrdiff_t)y * h.nx + x];
+            *to = INFINITY;
+            if (sparse && (x % 2 != px || y % 2 != py))
+                continue;
+            const double vary = h.known > 0 ? 0.9 + 0.2 * tz_rng_unit(g) : tz_rng_unit(g);
+            *to = (float)score_at(&h, x, y, vary);
         }
-    return best_shifts(w, nx, ny, known > 0 ? most : 1, best);
+    const int32_t n = best_shifts(w, h.nx, h.ny, h.known > 0 ? most : 1, best);
+    for (int32_t i = 0; i < n && sparse && h.known > 0; i++)
+        refine(&h, &best[i]);
+    return n;
 }
 
 tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, quilt_place *place,
@@ -624,6 +694,7 @@ tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, quilt_place *pl
     double least = INFINITY;
     *laid = false;
     open_window(m, place, &p, w);
+    list_near(s, m, place, w);
     const double room = 0.3 * s->density * w->w * w->h;
     if (w->w == 0 || w->h == 0)
         return TZ_OK;
@@ -649,7 +720,7 @@ tz_status quilt_place_patch(const quilt_source *s, quilt_map *m, quilt_place *pl
         if (place->core > 0 && !(cost < 0.8 * seams_gone(m, w, w->side)))
             continue;
         const double more = surplus(s, m, w, w->side, w->fresh),
-                     score = (cost + 0.5) * repeats(s, m, place, c.from) +
+                     score = (cost + 0.5) * repeats(s, m, place, w, c.from) +
                              0.04 * fabs(fmax(-room, fmin(room, m->balance)) + more);
         if (score < least) {
             place->surplus = more;
