@@ -226,8 +226,29 @@ static void a_ring_is_closed(void **state)
     assert_int_equal(s.path.n, 1);
     assert_true(s.path.v[0].closed);
     assert_true(fabs(v.length - 2 * TZ_PI * 60) < 8);
+    assert_true(v.closed > 0.999);
     tz_curve_set_deinit(&s);
     tz_image_deinit(&im);
+    end_ctx(ctx);
+}
+
+/* From border to border, and a branch of a third of that which ends in the open. */
+static void what_ends_in_the_open_is_not_closed(void **state)
+{
+    static const bar b[] = {{-20, 60, 220, 60, 5}, {100, 60, 100, 126.7, 5}};
+    (void)state;
+    tz_ctx *ctx = new_ctx(2);
+    for (int bars = 1; bars <= 2; bars++) {
+        tz_image im = draw(ctx, 200, 180, b, bars, -0.25F);
+        const tz_lines_params p = defaults();
+        tz_lines_verdict v;
+        tz_curve_set s = find(ctx, &im, &p, &v);
+        assert_true(bars == 1 ? v.closed > 0.999 : v.closed < 0.85);
+        assert_true(fabs(v.closed * v.length - 200) < 3);
+        assert_true(fabs(v.run * v.width * s.path.n / v.length - 1) < 1e-6);
+        tz_curve_set_deinit(&s);
+        tz_image_deinit(&im);
+    }
     end_ctx(ctx);
 }
 
@@ -440,6 +461,7 @@ int main(void)
         cmocka_unit_test(lines_that_meet_share_a_node),
         cmocka_unit_test(gaps_are_bridged_where_wanted),
         cmocka_unit_test(a_ring_is_closed),
+        cmocka_unit_test(what_ends_in_the_open_is_not_closed),
         cmocka_unit_test(grain_is_no_picture_of_lines),
         cmocka_unit_test(the_plate_has_no_lines),
         cmocka_unit_test(halved_photos_keep_their_measure),

@@ -9,7 +9,7 @@
  * that what differs is how lines are found: Canny's edges (OpenCV), blurred by 1, 1.5 or 2
  * px, over a ladder of thresholds; and what tracers of centre lines do (autotrace
  * -centerline): a threshold, here against the mean of 31 x 31 px, and thinning. (Debian has
- * potrace alone, which traces outlines.) A set is five pictures of 512 x 512 px, their lines
+ * potrace alone, which traces outlines.) A set is three pictures of 512 x 512 px, their lines
  * hardly above the grain or well above it; within 2 px counts. Canny's edges lie on the borders of
  * lines, half a width off: up to 4 px wide they count as found. */
 #include "tests/bench/bench.h"
@@ -23,7 +23,7 @@
 #include "tests/bench/rivals_cv.h"
 #include "tests/support/line_truth.h"
 
-enum { SIDE = 512, PICTURES = 5, RUNGS = 33 };
+enum { SIDE = 512, PICTURES = 3, RUNGS = 33 };
 
 typedef struct result {
     line_score score; /* means */
