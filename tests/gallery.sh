@@ -115,6 +115,45 @@ for drawing in "$here"/../../shared/exemplars/svg/{lattice,network,contours,wood
     curves+="<h2>$name: mean ratio $mean</h2><img src=\"v_$name.png\" alt=\"$name\">"$'\n'
     echo "$name, as curves: mean ratio $mean"
 done
+# Photos by their lines; samples, ablations and energies of the published method.
+for photo in "${photos[@]}"; do
+    name=$(basename "${photo%.*}")
+    case $name in cracked* | veined* | onyx* | volcanic* | stone_wall* | brick* | cobble* | mud*) ;;
+    *) continue ;;
+    esac
+    "$terrazzo" analyze "$photo" --as curves -o "$out/l_$name.svg" --quiet &&
+        "$terrazzo" arrange "$out/l_$name.svg" -o "$out/k_$name.svg" --grow 2 --seed 7 \
+            --quiet &&
+        "$terrazzo" render "$out/k_$name.svg" -o "$out/k_$name.png" --quiet &&
+        "$build/tests/draw_curves" sheet -o "$out/w_$name.svg" "$out/l_$name.svg" \
+            "$out/k_$name.svg" || { failed=$((failed + 1)); continue; }
+    rsvg-convert -w 1600 "$out/w_$name.svg" -o "$out/w_$name.png" 2>/dev/null || continue
+    "$terrazzo" sheet "$photo" "$out/k_$name.png" -o "$out/x_$name.png" --columns 2 \
+        --cell 800x800 --quiet || { failed=$((failed + 1)); continue; }
+    curves+="<h2>$name, by its lines</h2><img src=\"w_$name.png\" alt=\"$name: lines\">
+<img src=\"x_$name.png\" alt=\"$name: pixels\">"$'\n'
+    echo "$name, by its lines"
+done
+for kind in levels ablations energy; do
+    "$build/tests/draw_curves" $kind -o "$out/method_$kind.svg" --seed 7 \
+        "$here/../data/exemplars/mud.svg" >/dev/null || { failed=$((failed + 1)); continue; }
+    curves+="<h2>the published method: $kind</h2><img src=\"method_$kind.svg\" alt=\"$kind\">"$'\n'
+done
+
+# ---- element fields ------------------------------------------------------------------
+# Ten cases, four ways: ours, as published, and by two steps, as published and with our start.
+fields=
+mkdir -p "$out/fields"
+if "$build/tests/bench_fill" cases "$out/fields" >"$out/fields/figures.txt"; then
+    fields="<pre>$(cat "$out/fields/figures.txt")</pre>"
+    for f in "$out"/fields/*.svg; do
+        fields+="<figure><img src=\"fields/${f##*/}\" width=\"360\" alt=\"\">
+<figcaption>$(basename "${f%.svg}")</figcaption></figure>"$'\n'
+    done
+    echo "element fields: ten cases"
+else
+    failed=$((failed + 1))
+fi
 
 {
     cat "$page.part"
@@ -123,7 +162,7 @@ done
     echo '<th>near repeats</th><th>periodicity</th>'
     echo "<th>seam</th><th>broken</th><th>seconds</th></tr>$rows</table>"
     echo "$sections"
-    echo "<h1>Elements</h1>$elements<h1>Curves</h1>$curves</html>"
+    echo "<h1>Elements</h1>$elements<h1>Curves</h1>$curves<h1>Element fields</h1>$fields</html>"
 } >"$page"
 rm -f "$page.part"
 if [ ${#sheet[@]} -gt 0 ]; then
