@@ -122,7 +122,7 @@ static tz_status put_copy(unrolling *u, const tz_curve_path *p, tz_vec2 by)
         }
         if (!open)
             st = tz_curve_begin(u->to, p->pen);
-        open = true;
+        open = st == TZ_OK;
         if (st == TZ_OK)
             st = put_piece(u, k, &b);
     }

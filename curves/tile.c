@@ -250,8 +250,8 @@ static double pair_cost(const tiling *t, const port *a, const port *b, bool loos
                  off = fabs(a->at - b->at) / reach,
                  wide = fabs(log(a->width / b->width)) / log(1.6),
                  all = fabs(angle_to(a->out, back)) / (25 * TZ_PI / 180),
-                 first = gap ? angle_to(a->out, v) / (50 * TZ_PI / 180) : 0,
-                 last = gap ? angle_to(v, back) / (50 * TZ_PI / 180) : 0;
+                 first = gap ? angle_to(a->out, v) / (45 * TZ_PI / 180) : 0,
+                 last = gap ? angle_to(v, back) / (45 * TZ_PI / 180) : 0;
     const bool arc =
         gap && fabs(first) < 1 && fabs(last) < 1 && fabs(first - last) < 0.7 && off < 2;
     const bool near = loosely && off < 3 &&
