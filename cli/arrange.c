@@ -169,6 +169,7 @@ static tz_status run(tz_cli *cli)
     tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
     if (s != TZ_OK)
         return s;
+    v->input.wrap = v->medium.wrap;
     if (as == TZ_AS_CURVES)
         return tz_arrange_curves(cli, &curves);
     return as == TZ_AS_ELEMENTS ? tz_arrange_elements(cli, &job) : run_edges(cli);

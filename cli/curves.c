@@ -10,6 +10,7 @@
 #include "cli/material.h"
 #include "curves/curve_dxf.h"
 #include "curves/curve_io.h"
+#include "curves/tile.h"
 #include "curves/trim.h"
 
 #define AT(m) offsetof(tz_curve_input_params, m)
@@ -69,6 +70,25 @@ tz_status tz_curves_trim(tz_cli *cli, const char *path, const tz_curve_input_par
     return TZ_OK;
 }
 
+/** Makes a tile a torus. */
+static tz_status wrap(tz_cli *cli, const tz_curve_input_params *p, tz_curve_set *set)
+{
+    tz_curve_set torus = {0};
+    const bool known = tz_cli_given(cli, "wrap");
+    bool is = known && p->wrap && !set->domain.torus;
+    tz_status s = TZ_OK;
+    if (!known && !p->as_drawn)
+        s = tz_curve_tile_find(cli->ctx, set, &is);
+    if (s != TZ_OK || !is || set->domain.torus)
+        return s;
+    s = tz_curve_tile_join(cli->ctx, set, &torus);
+    if (s != TZ_OK)
+        return s;
+    tz_curve_set_deinit(set);
+    *set = torus;
+    return TZ_OK;
+}
+
 tz_status tz_curves_read(tz_cli *cli, const char *path, const tz_curve_input_params *p,
                          bool exemplar, tz_record *record, tz_path_list *inputs,
                          tz_curve_set *set)
@@ -99,6 +119,8 @@ tz_status tz_curves_read(tz_cli *cli, const char *path, const tz_curve_input_par
     tz_free(set->ctx, set->recipe);
     set->recipe = NULL;
     if (exemplar)
+        s = wrap(cli, p, set);
+    if (exemplar && s == TZ_OK)
         s = tz_curves_trim(cli, path, p, set);
     if (s != TZ_OK) {
         tz_curve_set_deinit(set);

@@ -13,6 +13,7 @@
 typedef struct tz_curve_input_params {
     double join_reach;
     bool as_drawn, crossings, outlines, trim;
+    bool wrap; /**< value of --wrap, where that is given: tz_medium_params has the option */
 } tz_curve_input_params;
 extern const tz_param_table tz_curve_input_param_table;
 
@@ -32,7 +33,8 @@ extern const tz_param_table tz_curve_output_param_table;
 
 /** Reads the curves (and elements) of a drawing, and records it. What its origins were is
  * forgotten: it is an exemplar now.
- * @param exemplar        what tells of a pattern: it is trimmed (curves/trim.h) if p says so
+ * @param exemplar        what tells of a pattern: a tile (curves/tile.h; --wrap says so, or
+ *   it is found out) becomes a torus, others are trimmed (curves/trim.h) if p says so
  * @param[in,out] record  NULL, or what inputs are added to
  * @param[in,out] inputs  NULL, or files that must not be overwritten
  * @param[out] set        overwritten, not freed; zeroed on error

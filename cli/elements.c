@@ -18,8 +18,8 @@ static const tz_param medium_rows[] = {
      "drawing or a photo; usual = elements of drawings (curves of documents of curves), "
      "edges of photos; expand --as auto decides by what is in the photo."},
     {"wrap", TZ_PARAM_BOOL, AT(wrap), 0, 1, "false", "", NULL,
-     "Elements: the drawing is a tile that repeats (--no-wrap: it is none); found out "
-     "where neither is given."},
+     "Elements, curves: the drawing is a tile that repeats (--no-wrap: it is none); "
+     "found out where neither is given."},
 };
 #undef AT
 const tz_param_table tz_medium_param_table = {

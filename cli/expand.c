@@ -203,6 +203,7 @@ static tz_status run(tz_cli *cli)
     tz_status s = tz_medium_settle(cli, cli->operand[0], &v->medium, &as);
     if (s != TZ_OK)
         return s;
+    v->input.wrap = v->medium.wrap;
     if (as == TZ_AS_ELEMENTS)
         return tz_expand_elements(cli, &job, NULL, NULL);
     if (as == TZ_AS_CURVES)
