@@ -8,7 +8,7 @@
 # solver), likeness (layouts of elements against their drawings), curves (layouts of curves
 # against theirs, and lines of photos; speed), lines (photo to curves, against lines that are
 # known), things (photo to elements),
-# drawings (elements to pixels), others (layout documents, the measures themselves); huge (32,768 x 32,768 px, writes some
+# drawings (elements to pixels), fields (domains filled along strokes, against two steps), others (layout documents, the measures themselves); huge (32,768 x 32,768 px, writes some
 # 8 GB) only where it is asked for. Times are medians of several runs. The figures also go to
 # BUILDDIR/bench.json, where sections that are not run keep their last figures. Photos are
 # those of TZ_PHOTOS (a folder), else ../shared/exemplars/photos beside the repository, else
@@ -20,7 +20,7 @@ build=$(cd "${1:?use: tests/bench.sh BUILDDIR [SECTION...]}" && pwd) || exit 1
 shift
 sections=("$@")
 [ ${#sections[@]} -gt 0 ] || sections=(analyze edges render arrange expand scores elements likeness
-    curves lines things drawings others)
+    curves lines things drawings fields others)
 terrazzo=$build/bin/terrazzo
 tools=$build/tests
 out=$build/bench
@@ -486,6 +486,31 @@ no slower than it)"
     "$tools/bench_element_render" 10000 2048 5 | sed 's/^/  /'
 }
 
+bench_fields() {
+    title "fields: domains filled along strokes (goals: 689 things, 100 iterations in 0.2 s;
+100,000 samples under 0.3 s an iteration and 500 MiB; an edit of 1 % of 10,000 under 0.03 s)"
+    local n
+    for n in "689 100" "300 20" "3000 20" "30000 20" "300000 3"; do
+        # shellcheck disable=SC2086 # two arguments
+        "$tools/bench_fill" speed $n || return 1
+    done | awk '{ print $2, $22, $4, $8, $10, $12, $14, $20 }' | tee "$out/lines" | awk '
+        BEGIN { printf "  %8s %8s %8s %10s %8s %10s %8s %6s\n", "things", "samples",
+            "start s", "iterate s", "cpu s", "each s", "repair s", "MiB" }
+        { printf "  %8d %8d %8.3f %10.3f %8.3f %10.5f %8.3f %6d\n",
+            $1, $2, $3, $4, $5, $6, $7, $8 }'
+    rows fields-speed things samples start iterate cpu each repair peak_mib <"$out/lines"
+    "$tools/bench_fill" edit 10000 | sed 's/^/  /'
+    "$tools/bench_fill" strokes 1000000 | sed 's/^/  /'
+    mkdir -p "$out/fields"
+    "$tools/bench_fill" cases "$out/fields" |
+        awk '{ print $1, $2, $4, $6, $8, $10, $12, $14, $22 }' | tee "$out/lines" | awk '
+        BEGIN { printf "  %-16s %-14s %7s %8s %8s %8s %7s %7s %8s\n", "case", "way",
+            "things", "covered", "overlap", "hole", "turn", "align", "seconds" }
+        { printf "  %-16s %-14s %7d %8.3f %8.4f %8.4f %7.2f %7.2f %8.2f\n",
+            $1, $2, $3, $4, $5, $6, $7, $8, $9 }'
+    rows fields case way things covered overlap hole turn align seconds <"$out/lines"
+}
+
 bench_huge() {
     title "huge: 32,768 x 32,768 px (goal: compute under 60 s, under 1 GiB resident)"
     local p free run null
@@ -521,7 +546,7 @@ echo "bench: $line"
 for section in "${sections[@]}"; do
     case $section in
     analyze | edges | render | arrange | expand | scores | elements | likeness | curves | lines | \
-        things | drawings | others | huge)
+        things | drawings | fields | others | huge)
         "bench_$section" || { echo "  $section failed"; failed=1; } ;;
     *) echo "bench: no section $section" >&2; exit 2 ;;
     esac
@@ -529,7 +554,7 @@ done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
     for section in analyze edges render arrange expand scores elements likeness curves \
-        curves-speed lines lines-photos others huge; do
+        curves-speed lines lines-photos fields-speed fields others huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'

@@ -4,7 +4,12 @@
  *
  *   bench_fill speed [ELEMENTS [ITERATIONS]]
  *
- * prints: fill ELEMENTS samples N begin SECONDS (processor SECONDS) iterate ... each ...
+ * prints: fill ELEMENTS begin SECONDS cpu SECONDS iterate SECONDS cpu SECONDS each
+ * SECONDS repair SECONDS covered SHARE overlap SHARE peak MIB samples N
+ *
+ *   bench_fill strokes [COUNT]
+ *
+ * a field of that many short strokes, settled.
  *
  *   bench_fill edit [ELEMENTS]
  *
@@ -24,7 +29,7 @@
 #include <math.h>
 
 #include "elements/element_io.h"
-#include "elements/fill.h"
+#include "elements/fill_internal.h"
 #include "elements/frames.h"
 #include "tests/bench/bench.h"
 
@@ -106,15 +111,37 @@ static void speed(tz_ctx *ctx, int32_t count, int32_t iterations)
     bench_check(ctx, tz_fill_write(f, &layout));
     bench_check(ctx, tz_fill_measure(ctx, &layout, &palette, &field, 0, &r));
     printf("fill %d begin %.4f cpu %.4f iterate %.4f cpu %.4f each %.5f repair %.4f "
-           "covered %.3f overlap %.4f peak %.0f\n",
+           "covered %.3f overlap %.4f peak %.0f samples %d\n",
            count, t1 - t0, c1 - c0, t2 - t1, c2 - c1, (t2 - t1) / iterations, t3 - t2,
-           r.covered, r.overlap, bench_peak());
+           r.covered, r.overlap, bench_peak(), f->n);
     if (getenv("FILL_OUT"))
         bench_check(ctx, tz_element_write_svg(ctx, getenv("FILL_OUT"), &layout));
     tz_fill_end(f);
     tz_element_field_deinit(&field);
     tz_element_set_deinit(&layout);
     tz_element_set_deinit(&palette);
+}
+
+/* ---- strokes ------------------------------------------------------------------------ */
+
+static void strokes(tz_ctx *ctx, int32_t count)
+{
+    tz_element_field f;
+    const tz_element_field_stroke pen = {.radius = 1, .weight = 1, .directed = true};
+    const double t = bench_now(), c = bench_cpu();
+    bench_check(ctx,
+                tz_element_field_init(ctx, (tz_vec3){1000, 1000, 0}, false, 1024, &f));
+    for (int32_t k = 0; k < count; k++) { /* spread by two irrational steps */
+        const double x = fmod(k * 0.7548776662466927, 1) * 1000,
+                     y = fmod(k * 0.5698402909980532, 1) * 1000, a = 0.01 * x;
+        const tz_element_field_point v[2] = {{{x, y}, 0, -1},
+                                             {{x + 6 * cos(a), y + 6 * sin(a)}, 0, -1}};
+        bench_check(ctx, tz_element_field_add(&f, pen, 2, v));
+    }
+    bench_check(ctx, tz_element_field_settle(&f));
+    printf("strokes %d seconds %.3f cpu %.3f peak %.0f\n", count, bench_now() - t,
+           bench_cpu() - c, bench_peak());
+    tz_element_field_deinit(&f);
 }
 
 /* ---- edits -------------------------------------------------------------------------- */
@@ -405,6 +432,8 @@ int main(int argc, char **argv)
                 run_case(ctx, &cases[k], argv[2]);
     } else if (strcmp(what, "drawing") == 0 && argc > 5) {
         drawing(ctx, argv + 2);
+    } else if (strcmp(what, "strokes") == 0) {
+        strokes(ctx, argc > 2 ? atoi(argv[2]) : 1000000);
     } else if (strcmp(what, "edit") == 0) {
         edit(ctx, argc > 2 ? atoi(argv[2]) : 10000);
     } else {

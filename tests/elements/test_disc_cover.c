@@ -131,6 +131,32 @@ static void odd_outlines(void **state)
     end_ctx(ctx);
 }
 
+/* A vein and a second coat of paint change nothing: the shape is the silhouette. */
+static void what_is_painted_on_is_no_hole(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(1);
+    tz_disc_cover plain, painted;
+    static const int32_t part[3] = {0, 4, 7};
+    tz_vec2 v[11];
+    rectangle(40, 16, 0.2, v);
+    rectangle(20, 0, 0.2, v + 4); /* three of its points: a line along the middle */
+    rectangle(10, 6, 0.2, v + 7);
+    ok(ctx, tz_disc_cover_init(ctx, v, 4, one_part, 1, 22, 9, 0.97, &plain));
+    ok(ctx, tz_disc_cover_init(ctx, v, 11, part, 3, 22, 9, 0.97, &painted));
+    assert_true(fabs(painted.area - plain.area) < 0.01 * plain.area);
+    assert_true(fabs(plain.area - 640) < 13);
+    assert_int_equal(painted.n, plain.n);
+    for (int k = 0; k < 9; k++) {
+        const tz_vec2 p = {-16 + 4 * k, 0.5};
+        assert_true(fabs(tz_shape_distance_at(&painted.distance, p, NULL) -
+                         tz_shape_distance_at(&plain.distance, p, NULL)) < 0.2);
+    }
+    tz_disc_cover_deinit(&plain);
+    tz_disc_cover_deinit(&painted);
+    end_ctx(ctx);
+}
+
 static tz_status cover(tz_ctx *ctx)
 {
     tz_disc_cover c;
@@ -154,6 +180,7 @@ int main(void)
         cmocka_unit_test(strips_are_chains),
         cmocka_unit_test(discs_lie_inside_and_hang_together),
         cmocka_unit_test(odd_outlines),
+        cmocka_unit_test(what_is_painted_on_is_no_hole),
         cmocka_unit_test(survives_want_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
