@@ -63,7 +63,8 @@ static const tz_param own_rows[] = {
      "rigidity=20 size=0.5..2, stone:1 turn=90 jitter=10\"; else tz:mix of the palette's "
      "<svg>, else all in equal shares."},
     {"keep", TZ_PARAM_STRING, AT(keep), 0, 0, "", "FILE", NULL,
-     "Layout whose hand-placed elements stay and are filled around; it sets the size."},
+     "Layout whose elements that were moved by hand stay and are filled around; it sets "
+     "the size."},
     {"size", TZ_PARAM_SIZE, AT(size), 0, 1 << 24, "0x0", "", NULL,
      "Of the layout, units of the palette; 0x0 = that of --domain, else 1024x1024."},
     {"tile", TZ_PARAM_BOOL, AT(tile), 0, 1, "false", "", NULL,
@@ -456,12 +457,12 @@ static const tz_option_group groups[] = {
 };
 static const tz_example examples[] = {
     {"Leaves that follow a few strokes through a shape:",
-     "terrazzo fill leaves.svg -o layout.svg --domain shape.svg --field strokes.svg"},
+     "terrazzo fill garden.svg -o layout.svg --domain shape.svg --field strokes.svg"},
     {"Three of one thing for each of another, over a tile:",
-     "terrazzo fill palette.svg -o tile.svg --size 800x800 --tile --mix \"leaf:3 "
-     "rigidity=10, stone\""},
+     "terrazzo fill garden.svg -o tile.svg --size 800x800 --tile --mix \"leaf:3 "
+     "size=0.8..1.2, ribbon rigidity=5\""},
     {"The stones of a photo, larger towards the light of an image:",
-     "terrazzo fill pebbles.svg -o beach.svg --size 2048x1024 --sizes ramp.png"},
+     "terrazzo fill rocks.jpg -o beach.svg --size 2048x1024 --sizes ramp.png"},
 };
 const tz_command tz_fill_command = {
     .name = "fill",
@@ -469,8 +470,8 @@ const tz_command tz_fill_command = {
     .summary = "Fills a shape with things that follow a few strokes.",
     .about =
         "Fills a domain evenly with the things of a palette: any drawing, an element "
-        "document, or a photo whose things are cut out. No arrangement is needed as an "
-        "exemplar. Things turn and grow along the strokes of --field, bend if they are "
+        "document, or a photo whose things are cut out. Nothing has to be arranged as an "
+        "example. Things turn and grow along the strokes of --field, bend if they are "
         "soft (rigidity), and elsewhere go over smoothly from one stroke to the next.\n\n"
         "The layout is an SVG document (or .json, .csv) which render makes pixels.",
     .min_operands = 1,

@@ -53,18 +53,20 @@ for name in current chips; do
     run "$terrazzo" arrange "$drawing" -o "$out/$name.svg" --size 2048x2048 --seed 7
     placed=$seconds
     run "$terrazzo" render "$out/$name.svg" -o "$out/$name.png"
-    printf '%s s  %s\n%s s  %s\n' "$placed" "$out/$name.svg" "$seconds" "$out/$name.png"
+    drawn=$seconds
+    printf '%s s  %s\n%s s  %s\n' "$placed" "$out/$name.svg" "$drawn" "$out/$name.png"
     run "$terrazzo" render "$drawing" -o "$out/${name}_drawing.png"
     sheet+=("$out/${name}_drawing.png" "$out/$name.png")
-    labels+="|$name, a drawing|2048 x 2048 px, $placed + $seconds s"
+    labels+="|$name, a drawing|2048 x 2048 px, $placed + $drawn s"
 done
-# shown NAME WHAT BEFORE : a layout that took $placed, beside what it was made from
+# shown NAME WHAT DRAWING : a layout that took $placed, beside what it was made from
 shown() {
     run "$terrazzo" render "$out/$1.svg" -o "$out/$1.png"
-    printf '%s s  %s\n%s s  %s\n' "$placed" "$out/$1.svg" "$seconds" "$out/$1.png"
+    drawn=$seconds
+    printf '%s s  %s\n%s s  %s\n' "$placed" "$out/$1.svg" "$drawn" "$out/$1.png"
     run "$terrazzo" render "$3" -o "$out/$1_drawing.png"
     sheet+=("$out/$1_drawing.png" "$out/$1.png")
-    labels+="|$1, $2|$placed + $seconds s"
+    labels+="|$1, $2|$placed + $drawn s"
 }
 for name in streets vine; do
     drawing=$build/cache/photos/$name.svg
@@ -81,5 +83,5 @@ run "$terrazzo" expand "$photo" --as curves -o "$out/lines.png" --size 1024x1024
 printf '%s s  %s\n' "$seconds" "$out/lines.png"
 sheet+=("$photo" "$out/lines.png")
 labels+="|$(basename "${photo%.*}"), a photo|by its lines, $seconds s"
-run "$terrazzo" sheet "${sheet[@]}" -o "$out/sheet.png" --cell 768x768 --labels "$labels"
+run "$terrazzo" sheet "${sheet[@]}" -o "$out/sheet.png" --cell 768x768 --columns 4 --labels "$labels"
 echo "all together: $out/sheet.png"
