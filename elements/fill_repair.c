@@ -325,7 +325,7 @@ static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
         if (r->awake[a] && !f->body.v[a].gone) {
             for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
                 const int32_t b = r->near[k];
-                tz_vec2 at, out;
+                tz_vec2 at = {0, 0}, out = {0, 0};
                 if (f->body.v[b].gone || !are_near(r, a, b))
                     continue;
                 const bool held = f->body.v[b].fixed || !f->body.v[b].awake;
@@ -566,7 +566,7 @@ static bool settle_one(repair *r, int32_t i, const int32_t *near, int32_t n)
     r->turned[i] = 0;
     for (int32_t k = 0; k < TRIES; k++) {
         push p = {0, 0, 0, 0, 0};
-        tz_vec2 at, out;
+        tz_vec2 at = {0, 0}, out = {0, 0};
         const double least = 0.8 * slack_of(f, i);
         for (int32_t j = 0; j < n; j++) {
             if (!are_near(r, i, near[j]))
