@@ -194,7 +194,7 @@ two strokes|--zones: hearts outside, dots inside|--brush: one stroke grows, one 
     g1.png g2.png g3.png g4.png
 
 # things PHOTO Y : the photo, its things and the plate; beside them a texture
-pebbles=$(photo pebbles_large rocks pebbles)
+pebbles=$(photo pebbles pebbles pebbles)
 things() {
     local n=${1%.*}
     "$build/tests/draw_things" --side 640 -o "things_$n.png" "$1"
