@@ -197,12 +197,24 @@ static double meet_cost(const order *o, const quilt_cut *a, const quilt_cut *b)
     return 0.7 * d + 0.3 * turn * turn + (a->pen != b->pen ? 0.6 : 0);
 }
 
+/* Whether a line is straight where it is cut: such do not turn back. */
+static bool straight(const order *o, const quilt_cut *c)
+{
+    const quilt_run *r = &o->r->run.v[c->run];
+    if (r->parts == 0)
+        return false;
+    const int32_t part = c->side ? r->part + r->parts - 1 : r->part;
+    return o->s->set->piece.v[o->r->part.v[part].piece].straight;
+}
+
 static double turn_cost(const order *o, const quilt_cut *a, const quilt_cut *b)
 {
     const tz_vec3 v = tz_domain_vector(o->m->domain, (tz_vec3){a->at.x, a->at.y, 0},
                                        (tz_vec3){b->at.x, b->at.y, 0});
     const double d = hypot(v.x, v.y);
     const quilt_run *r = o->r->run.v;
+    if (straight(o, a) && straight(o, b))
+        return INFINITY;
     if (abs(a->run - b->run) == 1 && r[a->run].path == r[b->run].path &&
         a->side != b->side && d < 3 * o->m->cx)
         return 0.3; /* a line that leaves its patch for a step or two */
