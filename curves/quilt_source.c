@@ -103,6 +103,9 @@ static tz_status measure_boxes(quilt_source *s)
     return TZ_OK;
 }
 
+/* A patch has eight cells a side at least, of its exemplar's. */
+#define PATCH_LEAST (8.0 / 64)
+
 /* What may be copied: the domain without empty margins wider than half the spacing. */
 static void measure_border(quilt_source *s)
 {
@@ -154,7 +157,7 @@ static void measure(quilt_source *s, const tz_domain *domain,
 {
     const double side = side_of(s);
     s->cell = fmin(fmax(s->spacing / 3.5, side / 128), side / 64);
-    s->patch = (p->patch > 0 ? p->patch : 0.5) * side;
+    s->patch = (p->patch > 0 ? fmax(p->patch, PATCH_LEAST) : 0.5) * side;
     if (domain->torus) /* nothing may meet itself around it */
         s->patch = fmin(s->patch, 0.8 * fmin(domain->size.x, domain->size.y));
     s->coarse =

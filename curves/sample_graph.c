@@ -241,6 +241,14 @@ static tz_status find_stops(sampler *k)
 
 /* ---- the graph --------------------------------------------------------------------- */
 
+static tz_status too_many(const sampler *k)
+{
+    return tz_fail(k->ctx, TZ_LIMIT,
+                   "over %d samples at a spacing of %g; choose a larger one, or keep the "
+                   "lines within the drawing",
+                   MAX_SAMPLES, k->g->spacing);
+}
+
 static tz_status add_sample(sampler *k, tz_vec2 at, int32_t *id)
 {
     tz_sample_graph *g = k->g;
@@ -248,9 +256,7 @@ static tz_status add_sample(sampler *k, tz_vec2 at, int32_t *id)
     const tz_curve_sample p = {
         .at = {in.x, in.y}, .q = TZ_SAMPLE_CURVE, .element = -1, .existence = 1};
     if (g->sample.n >= MAX_SAMPLES)
-        return tz_fail(k->ctx, TZ_LIMIT,
-                       "over %d samples at a spacing of %g; choose a larger one",
-                       MAX_SAMPLES, g->spacing);
+        return too_many(k);
     *id = g->sample.n;
     return tz_array_push(k->ctx, &g->sample, p);
 }
@@ -417,6 +423,8 @@ static tz_status add_run(sampler *k, double a0, double a1, const int32_t end[2],
     const polyline *l = &k->line;
     const int32_t n = count_steps(k, a1 - a0, end[0], end[1]);
     const double step = (a1 - a0) / n;
+    if (n > MAX_SAMPLES - k->g->sample.n)
+        return too_many(k);
     const double way = fmin(TANGENT * k->g->spacing, 0.25 * step);
     int32_t at = end[0], next = -1;
     double ahead = direction(l, a0, way, smooth);

@@ -323,6 +323,28 @@ static void test_odd(void **state)
         }
 }
 
+/* Patches are never so small that laying them has no end. */
+static void test_small_patches(void **state)
+{
+    (void)state;
+    char text[4096];
+    tz_curve_set e;
+    tz_curve_set out;
+    tz_curve_quilt_report r;
+    ok(ctx, parse(ctx, waves(text, sizeof text), &e));
+    const tz_domain d = {.size = {150, 120, 0}};
+    tz_curve_quilt_params p;
+    tz_params_default(&tz_curve_quilt_param_table, &p);
+    p.patch = 1e-12;
+    const tz_curve_quilt_job job = {
+        .exemplar = &e, .domain = &d, .params = &p, .seed = 1};
+    ok(ctx, tz_curve_quilt(ctx, &job, &out, &r));
+    assert_in_range(r.patches, 1, 4000);
+    assert_true(length_of(&out) > 0.3 * length_of(&e));
+    tz_curve_set_deinit(&out);
+    tz_curve_set_deinit(&e);
+}
+
 static void test_bad(void **state)
 {
     (void)state;
@@ -382,6 +404,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_frames, begin, end),
         cmocka_unit_test_setup_teardown(test_given, begin, end),
         cmocka_unit_test_setup_teardown(test_odd, begin, end),
+        cmocka_unit_test_setup_teardown(test_small_patches, begin, end),
         cmocka_unit_test_setup_teardown(test_bad, begin, end),
         cmocka_unit_test_setup_teardown(test_memory, begin, end),
     };
