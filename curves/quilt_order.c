@@ -108,7 +108,7 @@ static void trace(order *o, ptrdiff_t first)
 {
     const ptrdiff_t most = 2 * (ptrdiff_t)o->m->nx * o->m->ny;
     ptrdiff_t at = first;
-    bool back = false, turned;
+    bool back = false, turned = false;
     /* to where the seam begins, or once around */
     for (ptrdiff_t k = 0; k < most; k++) {
         const ptrdiff_t next = onward(o->m, at, back, &turned);
