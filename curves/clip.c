@@ -224,13 +224,16 @@ static tz_status keep(clipper *k, int32_t piece, int32_t pen, const double t[2],
 static tz_status clip_piece(clipper *k, int32_t piece, int32_t pen, bool *open)
 {
     const tz_bezier b = tz_curve_bezier(k->from, &k->from->piece.v[piece]);
+    /* what runs along the border is inside */
+    const double least =
+        k->window->outside ? 0 : -TINY * (k->window->size.x + k->window->size.y);
     tz_status s = make_cuts(k, &b);
     double begin = -1; /* of the part that is being kept */
     for (int32_t i = 0; i + 1 < k->t.n && s == TZ_OK; i++) {
         const double t = k->t.v[i], next = k->t.v[i + 1];
         if (next - t < TINY)
             continue;
-        const bool in = depth(k, tz_bezier_at(&b, (t + next) / 2)) > 0;
+        const bool in = depth(k, tz_bezier_at(&b, (t + next) / 2)) > least;
         if (in && begin < 0)
             begin = t < TINY ? 0 : t;
         if (!in && begin >= 0) {

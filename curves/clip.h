@@ -14,7 +14,7 @@ typedef struct tz_curve_window {
 } tz_curve_window;
 
 /** The parts of all paths that lie inside, with what they carry; cuts are exact to 1e-6 of
- * the window, and become nodes. Elements stay as a whole where their centres are inside.
+ * the window, and become nodes; what runs along the rectangle's border is inside. Elements stay as a whole where their centres are inside.
  * Domain, pens, photos and background are those of `from`. On a torus copies count where
  * they lie: a path that runs into the window over the border is kept there.
  * @param[out] to  overwritten, not freed; zeroed on error; may have no paths
