@@ -13,7 +13,8 @@
 typedef struct tz_curve_input_params {
     double join_reach;
     bool as_drawn, crossings, outlines, trim;
-    bool wrap; /**< value of --wrap, where that is given: tz_medium_params has the option */
+    bool
+        wrap; /**< value of --wrap, where that is given: tz_medium_params has the option */
 } tz_curve_input_params;
 extern const tz_param_table tz_curve_input_param_table;
 

@@ -47,7 +47,9 @@ static int32_t add(tz_sample_graph *g, double x, double y)
 
 static void join(tz_sample_graph *g, int32_t a, int32_t b)
 {
-    ok(ctx, tz_array_push(ctx, &g->edge, ((tz_curve_edge){.from = a, .to = b, .existence = 1, .like = -1})));
+    ok(ctx,
+       tz_array_push(ctx, &g->edge,
+                     ((tz_curve_edge){.from = a, .to = b, .existence = 1, .like = -1})));
 }
 
 /* A star: sample 0 with n edges of any lengths. */
