@@ -51,16 +51,28 @@ typedef struct push {
     int32_t n;
 } push;
 
+/* The deepest points of two bodies in each other, as the round began. */
+typedef struct contact {
+    int32_t a, b;
+    bool both, near;       /* b moves too; they may touch */
+    double depth[2];       /* of a's outline in b, of b's in a */
+    tz_vec2 at[2], out[2]; /* where, and the way out of the other */
+} contact;
+
 typedef struct repair {
     tz_fill *f;
     pose *pose;
     push *push;
     bool *awake;     /* to be looked at */
+    bool *moved;     /* since contacts were found */
     double *turned;  /* so far */
     double margin;   /* share of the largest disc; pushes begin there */
     tz_vec2 *border; /* TZ_FILL_BORDER a soft body */
     int32_t softs;
     int32_t *start, *near;
+    int32_t *touch; /* of near: its contact; ~ if it stands there the other way round */
+    contact *contact;
+    int32_t contacts;
     int64_t room;   /* bodies that pose, push, turned hold */
     int32_t bodies; /* that awake and start hold */
 } repair;
@@ -313,37 +325,67 @@ static void push_inside(const repair *r, int32_t i, push *p)
         add_push(r, i, p, where, most * x / l, most * y / l, most);
 }
 
-static void find_pushes(void *arg, int32_t from, int32_t to, double sums[4])
+/* From where on a body's contacts count: depths, below 0 with a margin. */
+static double least_of(const repair *r, int32_t i)
+{
+    const double slack = slack_of(r->f, i);
+    return r->margin > 0 ? -r->margin / DEEP * slack : 0.8 * slack;
+}
+
+static void find_contacts(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const repair *r = arg;
+    (void)sums;
+    for (int32_t k = from; k < to; k++) {
+        contact *c = &r->contact[k];
+        if (!r->moved[c->a] && !r->moved[c->b])
+            continue; /* nothing can have changed */
+        c->near = are_near(r, c->a, c->b);
+        if (!c->near)
+            continue;
+        const double p = least_of(r, c->a),
+                     least = c->both ? fmin(p, least_of(r, c->b)) : p;
+        c->depth[0] = deepest(r, c->a, c->b, least, &c->at[0], &c->out[0]);
+        c->depth[1] = deepest(r, c->b, c->a, least, &c->at[1], &c->out[1]);
+    }
+}
+
+static void sum_pushes(void *arg, int32_t from, int32_t to, double sums[4])
 {
     const repair *r = arg;
     tz_fill *f = r->f;
     for (int32_t j = from; j < to; j++) {
         const int32_t a = f->live.v[j];
-        const double least =
-            r->margin > 0 ? -r->margin / DEEP * slack_of(f, a) : 0.8 * slack_of(f, a);
+        const double least = least_of(r, a), gap = fmin(least, 0);
         push p = {0, 0, 0, 0, 0};
         if (r->awake[a] && !f->body.v[a].gone) {
             for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
-                const int32_t b = r->near[k];
-                tz_vec2 at = {0, 0}, out = {0, 0};
-                if (f->body.v[b].gone || !are_near(r, a, b))
+                const int32_t t = r->touch[k], b = r->near[k], own = t < 0;
+                const contact *c = &r->contact[own ? ~t : t];
+                if (!c->near || f->body.v[b].gone)
                     continue;
                 const bool held = f->body.v[b].fixed || !f->body.v[b].awake;
-                const double share = held ? 1 : 0.5, gap = fmin(least, 0);
-                const double d = deepest(r, a, b, least, &at, &out);
-                if (d > least)
-                    add_push(r, a, &p, at, share * (d - gap) * out.x,
-                             share * (d - gap) * out.y, d);
-                const double e = deepest(r, b, a, least, &at, &out);
-                if (e > least)
-                    add_push(r, a, &p, at, -share * (e - gap) * out.x,
-                             -share * (e - gap) * out.y, e);
+                const double share = held ? 1 : 0.5;
+                for (int way = 0; way < 2; way++) { /* its own outline first */
+                    const int32_t e = own ^ way;
+                    const double d = c->depth[e];
+                    const double by = (way == 0 ? share : -share) * (d - gap);
+                    if (d > least)
+                        add_push(r, a, &p, c->at[e], by * c->out[e].x, by * c->out[e].y,
+                                 d);
+                }
             }
             push_inside(r, a, &p);
         }
         r->push[a] = p;
         sums[0] += p.n > 0;
     }
+}
+
+static tz_status find_pushes(repair *r)
+{
+    const tz_status s = tz_fill_blocks(r->f->ctx, r->contacts, find_contacts, r, NULL);
+    return s == TZ_OK ? tz_fill_blocks(r->f->ctx, r->f->live.n, sum_pushes, r, NULL) : s;
 }
 
 /* ---- rounds ------------------------------------------------------------------------- */
@@ -369,6 +411,36 @@ static void move_body(repair *r, int32_t i)
         o[0] = c * ox - s * oy, o[1] = s * ox + c * oy;
     }
     find_pose(r, i);
+}
+
+/* One contact for a body and each near it, or for both if both move. */
+static tz_status pair_up(repair *r)
+{
+    tz_fill *f = r->f;
+    const int32_t n = r->start[f->body.n];
+    r->contacts = 0;
+    for (int32_t i = 0; i < f->body.n; i++) {
+        const tz_fill_body *b = &f->body.v[i];
+        r->moved[i] = b->awake && !b->fixed && !b->gone;
+    }
+    tz_status s = tz_realloc(f->ctx, &r->touch, (size_t)n + 1, sizeof *r->touch);
+    if (s == TZ_OK)
+        s = tz_realloc(f->ctx, &r->contact, (size_t)n + 1, sizeof *r->contact);
+    for (int32_t a = 0; a < f->body.n && s == TZ_OK; a++)
+        for (int32_t k = r->start[a]; k < r->start[a + 1]; k++) {
+            const int32_t b = r->near[k];
+            int32_t e = b < a ? r->start[b] : r->start[b + 1]; /* seen before */
+            while (e < r->start[b + 1] && r->near[e] != a)
+                e++;
+            if (e < r->start[b + 1]) {
+                r->touch[k] = ~r->touch[e];
+                r->contact[r->touch[e]].both = true;
+            } else {
+                r->touch[k] = r->contacts;
+                r->contact[r->contacts++] = (contact){.a = a, .b = b};
+            }
+        }
+    return s;
 }
 
 /* Bodies that the discs of each touch. */
@@ -399,7 +471,7 @@ static tz_status find_near(repair *r)
     }
     r->start[f->body.n] = list.n;
     r->near = list.v;
-    return s;
+    return s == TZ_OK ? pair_up(r) : s;
 }
 
 /* Those that moved are looked at again, and those beside them. */
@@ -407,12 +479,12 @@ static void wake_moved(repair *r)
 {
     tz_fill *f = r->f;
     for (int32_t j = 0; j < f->live.n; j++)
-        r->awake[f->live.v[j]] = false;
+        r->awake[f->live.v[j]] = r->moved[f->live.v[j]] = false;
     for (int32_t j = 0; j < f->live.n; j++) {
         const int32_t i = f->live.v[j];
         if (r->push[i].n == 0)
             continue;
-        r->awake[i] = true;
+        r->awake[i] = r->moved[i] = true;
         for (int32_t k = r->start[i]; k < r->start[i + 1]; k++)
             r->awake[r->near[k]] = true;
     }
@@ -428,7 +500,7 @@ static void wake_every(repair *r)
 static tz_status push_round(repair *r, int32_t *left)
 {
     tz_fill *f = r->f;
-    const tz_status s = tz_fill_blocks(f->ctx, f->live.n, find_pushes, r, NULL);
+    const tz_status s = find_pushes(r);
     *left = 0;
     for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
         const int32_t i = f->live.v[j];
@@ -514,7 +586,7 @@ static tz_status drop_worst(repair *r, double share, int32_t *dropped)
     tz_fill *f = r->f;
     *dropped = 0;
     wake_every(r);
-    tz_status s = tz_fill_blocks(f->ctx, f->live.n, find_pushes, r, NULL);
+    tz_status s = find_pushes(r);
     for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
         const int32_t i = f->live.v[j];
         const double limit = share / DEEP * slack_of(f, i);
@@ -730,6 +802,8 @@ static tz_status even_out(repair *r)
         const size_t n = (size_t)f->body.n;
         tz_status s = tz_realloc(f->ctx, &r->awake, n, sizeof *r->awake);
         if (s == TZ_OK)
+            s = tz_realloc(f->ctx, &r->moved, n, sizeof *r->moved);
+        if (s == TZ_OK)
             s = tz_realloc(f->ctx, &r->start, n + 1, sizeof *r->start);
         if (s != TZ_OK)
             return s;
@@ -754,7 +828,9 @@ tz_status tz_fill_repair(tz_fill *f)
     if (s == TZ_OK)
         s = tz_alloc_zero(f->ctx, &r.turned, n, sizeof *r.turned);
     if (s == TZ_OK)
-        s = tz_alloc(f->ctx, &r.awake, n, sizeof *r.awake);
+        s = tz_alloc_zero(f->ctx, &r.awake, n, sizeof *r.awake);
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &r.moved, n, sizeof *r.moved);
     if (s == TZ_OK)
         s = tz_alloc(f->ctx, &r.start, n + 1, sizeof *r.start);
     if (s == TZ_OK)
@@ -775,7 +851,9 @@ tz_status tz_fill_repair(tz_fill *f)
         s = even_out(&r);
     f->fresh = false;
     tz_free(f->ctx, r.pose), tz_free(f->ctx, r.push), tz_free(f->ctx, r.awake);
+    tz_free(f->ctx, r.moved);
     tz_free(f->ctx, r.start), tz_free(f->ctx, r.near);
+    tz_free(f->ctx, r.touch), tz_free(f->ctx, r.contact);
     tz_free(f->ctx, r.border), tz_free(f->ctx, r.turned);
     return s;
 }
