@@ -24,6 +24,17 @@ static bool inside(const cutting *c, tz_vec2 x)
     return c->whole ? label != QUILT_OUTSIDE : label == c->patch;
 }
 
+/* Whether the patch lays a thing: it has the cell at its centre, or, for loops
+ * that hang into a plain domain, that which is nearest. */
+static bool owns(const cutting *c, int32_t thing)
+{
+    const tz_domain *d = c->m->domain;
+    tz_vec2 p = quilt_place_at(c->p, c->s->centre[thing]);
+    if (!d->torus && c->s->loops && quilt_is_whole(c->s, thing))
+        p = (tz_vec2){fmin(fmax(p.x, 0), d->size.x), fmin(fmax(p.y, 0), d->size.y)};
+    return quilt_label(c->m, p) == c->patch;
+}
+
 static bool reaches(const cutting *c, int32_t piece)
 {
     const tz_vec2 lo = c->s->box[2 * (ptrdiff_t)piece],
@@ -168,11 +179,28 @@ static tz_status cut_patch(cutting *c)
     for (int32_t i = 0; i < set->path.n && st == TZ_OK; i++) {
         const int32_t thing = c->s->object[i];
         c->whole = false;
-        if (thing == QUILT_REST || (thing >= 0 && !inside(c, c->s->centre[thing])))
+        if (thing == QUILT_REST || (thing >= 0 && !owns(c, thing)))
             continue;
         c->whole = thing >= 0;
         st = walk_path(c, i);
     }
+    return st;
+}
+
+tz_status quilt_cut_thing(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+                          quilt_runs *r, int32_t patch, int32_t object)
+{
+    cutting c = {.ctx = ctx,
+                 .s = s,
+                 .m = m,
+                 .r = r,
+                 .p = &m->patch.v[patch],
+                 .patch = patch,
+                 .whole = true};
+    tz_status st = TZ_OK;
+    for (int32_t i = 0; i < s->set->path.n && st == TZ_OK; i++)
+        if (s->object[i] == object)
+            st = walk_path(&c, i);
     return st;
 }
 

@@ -8,6 +8,9 @@
  *   quilt_patch.c   candidates for a place, and their exact shift
  *   quilt_seam.c    minimum cut between what lies there and a candidate
  *   quilt_cut.c     curves of each patch inside its cells, and where they are cut
+ *   quilt_things.c  things that would lie over others taken away
+ *   quilt_balance.c as many things as the exemplar has, by length
+ *   quilt_gaps.c    things laid into gaps
  *   quilt_order.c   cuts paired in order along each seam
  *   quilt_pair.c    and what is left by place
  *   quilt_warp.c    the field that moves paired ends onto each other
@@ -74,6 +77,7 @@ typedef struct quilt_source {
     int32_t *object; /* per path: thing that it is part of, or -1 */
     int32_t objects;
     tz_vec2 *centre; /* of each thing */
+    double broad;    /* the longest side of a thing */
     tz_vec2 *anchor; /* per node: where the field is read that moves it */
     bool *rigid;     /* per path: it moves as a whole */
     int32_t *degree; /* ends of pieces at each node */
@@ -122,6 +126,16 @@ typedef struct quilt_map {
 
 /* Label at a place of the domain (on a torus, of its copy inside). */
 int32_t quilt_label(const quilt_map *m, tz_vec2 p);
+
+/* Whether a thing is known to be whole: where a torus was laid out, what the border there
+ * has cut off may be what it was part of. */
+static inline bool quilt_is_whole(const quilt_source *s, int32_t object)
+{
+    const tz_vec2 c = s->centre[object];
+    return !s->original->domain.torus ||
+           (c.x >= s->broad && c.y >= s->broad && c.x <= s->hi.x + s->lo.x - s->broad &&
+            c.y <= s->hi.y + s->lo.y - s->broad);
+}
 
 /* What a worker needs to place a patch: a window of the map. */
 typedef struct quilt_window {
@@ -245,9 +259,25 @@ typedef struct quilt_runs {
 tz_status quilt_cut_runs(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
                          quilt_runs *r);
 void quilt_runs_deinit(quilt_runs *r);
-/* Takes away things that would lie over what other patches have laid. */
-tz_status quilt_drop_things(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+/* Takes away things that would lie over what other patches have laid, and balances. */
+tz_status quilt_drop_things(tz_ctx *ctx, const quilt_source *s, quilt_map *m,
                             quilt_runs *r);
+/* One copy of a thing of the exemplar. */
+typedef struct quilt_thing {
+    int32_t patch, object, run, runs; /* of a list of runs */
+    double own;                       /* share of it in cells of its patch */
+} quilt_thing;
+/* Where most lines are of things: takes things away or lays more of them until the length
+ * of lines by area is the exemplar's. */
+tz_status quilt_balance(tz_ctx *ctx, const quilt_source *s, quilt_map *m, quilt_runs *r,
+                        const quilt_thing *thing, int32_t things, const int32_t *order);
+/* Lays things into gaps until `length` is laid, or none fits. Each takes a patch of its
+ * own, without cells. */
+tz_status quilt_fill_gaps(tz_ctx *ctx, const quilt_source *s, quilt_map *m, quilt_runs *r,
+                          double length);
+/* All of a thing, where patch has it. */
+tz_status quilt_cut_thing(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+                          quilt_runs *r, int32_t patch, int32_t object);
 /* Pairs cuts along each seam, or joins neighbours by bridges, by least cost.
  * @param loose  cost of an end that stays */
 tz_status quilt_order(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,

@@ -315,6 +315,7 @@ static tz_status find_things(quilt_source *s)
             continue;
         if (a->id == 0) {
             s->centre[s->objects] = tz_vec2_scale(tz_vec2_add(a->lo, a->hi), 0.5);
+            s->broad = fmax(s->broad, fmax(a->hi.x - a->lo.x, a->hi.y - a->lo.y));
             a->id = ++s->objects;
         }
         s->object[i] = a->id - 1;

@@ -7,11 +7,6 @@
 
 #include "curves/quilt_internal.h"
 
-typedef struct thing {
-    int32_t patch, object, run, runs; /* of the sorted list */
-    double own;                       /* share of it in cells of its patch */
-} thing;
-
 typedef struct crowd {
     tz_ctx *ctx;
     const quilt_source *s;
@@ -19,7 +14,7 @@ typedef struct crowd {
     quilt_runs *r;
     int32_t *claim; /* per cell: patch + 1 whose lines run there, 0 = none */
     int32_t *order; /* runs of things */
-    TZ_ARRAY(thing)
+    TZ_ARRAY(quilt_thing)
     thing;
 } crowd;
 
@@ -66,7 +61,7 @@ static void visit_run(crowd *c, int32_t run, visit v, int64_t count[3])
 
 static int by_own(const void *a, const void *b)
 {
-    const thing *p = a, *q = b;
+    const quilt_thing *p = a, *q = b;
     if (p->own != q->own)
         return p->own > q->own ? -1 : 1;
     if (p->patch != q->patch)
@@ -87,8 +82,9 @@ static tz_status list_things(crowd *c, int32_t first, int32_t last, int32_t *n)
         while (k < c->thing.n && c->thing.v[k].object != o)
             k++;
         if (k == c->thing.n)
-            st = tz_array_push(c->ctx, &c->thing,
-                               ((thing){.patch = c->r->run.v[i].patch, .object = o}));
+            st = tz_array_push(
+                c->ctx, &c->thing,
+                ((quilt_thing){.patch = c->r->run.v[i].patch, .object = o}));
         if (st == TZ_OK)
             c->thing.v[k].runs++;
     }
@@ -117,7 +113,7 @@ static void settle(crowd *c)
     if (c->thing.n > 1)
         qsort(c->thing.v, (size_t)c->thing.n, sizeof *c->thing.v, by_own);
     for (int32_t i = 0; i < c->thing.n; i++) {
-        const thing *t = &c->thing.v[i];
+        const quilt_thing *t = &c->thing.v[i];
         int64_t count[3] = {0, 0, 0};
         for (int32_t k = 0; k < t->runs; k++)
             visit_run(c, c->order[t->run + k], COUNT, count);
@@ -131,7 +127,7 @@ static void settle(crowd *c)
     }
 }
 
-tz_status quilt_drop_things(tz_ctx *ctx, const quilt_source *s, const quilt_map *m,
+tz_status quilt_drop_things(tz_ctx *ctx, const quilt_source *s, quilt_map *m,
                             quilt_runs *r)
 {
     crowd c = {.ctx = ctx, .s = s, .m = m, .r = r};
@@ -150,6 +146,8 @@ tz_status quilt_drop_things(tz_ctx *ctx, const quilt_source *s, const quilt_map 
     }
     if (st == TZ_OK)
         settle(&c);
+    if (st == TZ_OK)
+        st = quilt_balance(ctx, s, m, r, c.thing.v, c.thing.n, c.order);
     tz_free(ctx, c.claim);
     tz_free(ctx, c.order);
     tz_array_free(ctx, &c.thing);
