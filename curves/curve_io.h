@@ -4,8 +4,9 @@
  *
  * What is stroked becomes paths; what is filled and long and thin (a stroke turned into
  * an outline) becomes its centre line, as wide as it was. Other filled shapes are no
- * curves, but may become elements. Transforms, viewBox, units, style attributes, CSS classes and <use> are
- * followed. */
+ * curves, but may become elements. Transforms, viewBox, units, style attributes, CSS
+ * classes and <use> are followed. Of what runs far outside of the view (by more than its
+ * longer side) nothing is kept there. */
 #ifndef TZ_CURVES_CURVE_IO_H
 #define TZ_CURVES_CURVE_IO_H
 

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/ctx_internal.h"
+#include "curves/clip.h"
 #include "curves/curve_join.h"
 #include "curves/curve_own_internal.h"
 #include "curves/curve_read_internal.h"
@@ -257,6 +258,37 @@ static tz_status read_shapes(reading *k)
     return s;
 }
 
+/* Whether any path runs over the view by more than `margin`. */
+static bool runs_far(const tz_curve_set *s, double margin)
+{
+    const tz_vec3 size = s->domain.size;
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(s, &s->piece.v[i]);
+        for (int k = 0; k < 4; k++)
+            if (!(b.p[k].x >= -margin && b.p[k].y >= -margin &&
+                  b.p[k].x <= size.x + margin && b.p[k].y <= size.y + margin))
+                return true;
+    }
+    return false;
+}
+
+/* What lies far outside of the view is cut off: nothing of it shows, and lines a million
+ * views long would set the scale of all that follows. */
+static tz_status cut_far(tz_curve_set *s)
+{
+    const tz_vec3 size = s->domain.size;
+    const double margin = fmax(size.x, size.y);
+    const tz_curve_window kept = {.at = {-margin, -margin},
+                                  .size = {size.x + 2 * margin, size.y + 2 * margin}};
+    tz_curve_set whole = *s;
+    if (s->domain.torus || !runs_far(s, margin))
+        return TZ_OK;
+    const tz_status st = tz_curve_clip(whole.ctx, &whole, &kept, s);
+    s->ctx = whole.ctx;
+    tz_curve_set_deinit(&whole);
+    return st;
+}
+
 static tz_status no_curves(const tz_element_reader *r)
 {
     return tz_fail(
@@ -294,6 +326,8 @@ static tz_status read_drawing(tz_element_reader *r, const tz_curve_read_options 
     reading k = {.r = r, .opt = opt, .set = &set};
     const tz_curve_join_params join = {.reach = opt->reach, .crossings = opt->crossings};
     tz_status s = read_shapes(&k);
+    if (s == TZ_OK)
+        s = cut_far(&set);
     if (s == TZ_OK && set.path.n == 0)
         s = no_curves(r);
     if (s == TZ_OK && opt->as_drawn) {

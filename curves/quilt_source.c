@@ -103,6 +103,9 @@ static tz_status measure_boxes(quilt_source *s)
     return TZ_OK;
 }
 
+/* Cells that an exemplar is looked at in, at most. */
+#define MOST_CELLS 4e6
+
 /* A patch has eight cells a side at least, of its exemplar's. */
 #define PATCH_LEAST (8.0 / 64)
 
@@ -162,6 +165,18 @@ static void measure(quilt_source *s, const tz_domain *domain,
         s->patch = fmin(s->patch, 0.8 * fmin(domain->size.x, domain->size.y));
     s->coarse =
         fmax(fmin(fmax(s->spacing / 1.5, s->patch / 40), s->patch / 24), side / 160);
+}
+
+/* The cells of a strip of hundreds of its own widths would fill memory. */
+static tz_status check_strip(const quilt_source *s)
+{
+    const tz_vec3 size = s->original->domain.size;
+    const double area = (s->hi.x - s->lo.x) * (s->hi.y - s->lo.y);
+    return area / (s->cell * s->cell) <= MOST_CELLS
+               ? TZ_OK
+               : tz_fail(s->ctx, TZ_LIMIT,
+                         "a drawing of %g x %g is too long and thin; give a part of it",
+                         size.x, size.y);
 }
 
 /* ---- things ------------------------------------------------------------------------- */
@@ -553,8 +568,10 @@ tz_status quilt_source_init(tz_ctx *ctx, const tz_curve_set *set, const tz_domai
         if (!set->domain.torus)
             measure_border(s);
         measure(s, domain, p);
-        st = find_things(s);
+        st = check_strip(s);
     }
+    if (st == TZ_OK)
+        st = find_things(s);
     if (st == TZ_OK)
         st = find_rigid(s);
     if (st == TZ_OK)

@@ -9,6 +9,7 @@
 
 #define MAX_DEPTH  300
 #define MAX_STEPS  20000000
+#define MAX_COPIED 2000000 /* of them within <use>, which are drawn again and again */
 #define MAX_THINGS 2000000
 
 typedef struct frame {
@@ -387,12 +388,17 @@ static bool is_shape(tz_svg_node n)
            tz_svg_is(n, "polyline") || tz_svg_is(n, "line");
 }
 
-static tz_status check_limits(tz_element_reader *r, tz_svg_node n, int depth)
+static tz_status check_limits(tz_element_reader *r, tz_svg_node n, const state *s)
 {
+    if (s->uses && ++r->copied > MAX_COPIED)
+        return tz_fail(r->ctx, TZ_LIMIT,
+                       "%s:%d: <use> copies over %d things; draw fewer copies, or split "
+                       "the drawing",
+                       r->name, tz_svg_line(n), MAX_COPIED);
     if (++r->steps > MAX_STEPS)
         return tz_fail(r->ctx, TZ_LIMIT, "%s:%d: over %d drawn things; split the drawing",
                        r->name, tz_svg_line(n), MAX_STEPS);
-    if (depth > MAX_DEPTH)
+    if (s->depth > MAX_DEPTH)
         return tz_fail(r->ctx, TZ_LIMIT, "%s:%d: nested over %d levels deep; ungroup",
                        r->name, tz_svg_line(n), MAX_DEPTH);
     return !(r->steps & 4095) && tz_ctx_cancelled(r->ctx) ? TZ_CANCELLED : TZ_OK;
@@ -406,7 +412,8 @@ static tz_status walk(tz_element_reader *r, tz_svg_node n, const state *up, bool
                        (tz_svg_is(n, "g") || tz_svg_is(n, "a") ||
                         tz_svg_is(n, "switch") || (named && tz_svg_is(n, "symbol")));
     state s = *up;
-    tz_status st = check_limits(r, n, ++s.depth);
+    s.depth++;
+    tz_status st = check_limits(r, n, &s);
     if (st != TZ_OK || tz_svg_attr(n, "tz:copy"))
         return st;
     if (!shape && !use && !nested && !group) {

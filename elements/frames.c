@@ -124,9 +124,11 @@ tz_status tz_frames_from_formula(tz_ctx *ctx, const char *formula, tz_vec3 size,
         const double angle =
             tz_formula_at(&formula_of, (tz_formula_place){x, y, size.x, size.y});
         if (!isfinite(angle))
-            s = tz_fail(ctx, TZ_INVALID,
-                        "formula \"%.60s\" has no value at x = %g, y = %g", formula, x,
-                        y);
+            s = tz_fail(
+                ctx, TZ_INVALID,
+                "formula \"%.60s\" has no value at x = %g, y = %g; write one that "
+                "has an angle everywhere",
+                formula, x, y);
         set_unit(f, i, cos(angle * TZ_PI / 180), sin(angle * TZ_PI / 180));
     }
     tz_formula_deinit(ctx, &formula_of);

@@ -381,8 +381,8 @@ static tz_status read_drawing(tz_ctx *ctx, const char *path, tz_raster raster,
         (*mask)[i] = (float)count_bits(c.bits[i]) / (FINE * FINE);
     if (s == TZ_OK && !any)
         s = tz_fail(ctx, TZ_INVALID,
-                    "%s: there is no filled or closed shape to be the region%s", path,
-                    tz_guide_hint(&r));
+                    "%s: there is no filled or closed shape to be the region; draw one%s",
+                    path, tz_guide_hint(&r));
     tz_free(ctx, c.bits);
     tz_element_reader_deinit(&r);
     return s;
