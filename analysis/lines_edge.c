@@ -29,7 +29,8 @@ static tz_status row(tz_ctx *ctx, void *arg, int64_t y, int worker)
     (void)ctx, (void)worker;
     for (int32_t x = 0; x < m->width; x++) {
         const ptrdiff_t p = (ptrdiff_t)y * m->width + x;
-        const double angle = 0.5 * atan2(m->normal[p + all], m->normal[p]);
+        const double angle =
+            0.5 * atan2((double)m->normal[p + all], (double)m->normal[p]);
         const float nx = (float)cos(angle), ny = (float)sin(angle), here = m->response[p];
         const float a = at(m, (float)x - nx, (float)y - ny),
                     b = at(m, (float)x + nx, (float)y + ny);

@@ -41,7 +41,7 @@ static tz_line_point point_at(const tracer *t, int32_t p)
 {
     const tz_edge_map *m = &t->f->map;
     const ptrdiff_t all = (ptrdiff_t)t->w * t->h;
-    const double angle = 0.5 * atan2(m->normal[p + all], m->normal[p]);
+    const double angle = 0.5 * atan2((double)m->normal[p + all], (double)m->normal[p]);
     const double off = t->f->offset[p];
     return (tz_line_point){
         {p % t->w + 0.5 + off * cos(angle), p / t->w + 0.5 + off * sin(angle)},
