@@ -263,7 +263,7 @@ tz_status quilt_balance(tz_ctx *ctx, const quilt_source *s, quilt_map *m, quilt_
     const bool most = b.of_things >= 0.5 * b.all;
     if (b.all > (most ? 1 : 1 + TOO_MUCH) * b.want)
         st = b.of_things >= FEW * b.all ? thin(&b) : TZ_OK;
-    else if (most && b.all < b.want && s->original->element.element.n == 0)
+    else if (most && s->loops && b.all < b.want && s->original->element.element.n == 0)
         /* elements get their places later */
         st = quilt_fill_gaps(ctx, s, m, r, b.want - b.all);
 done:
