@@ -94,7 +94,7 @@ typedef struct tz_element_reader {
     background;
     tz_svg_node pattern; /**< painted over the whole view, or NULL */
     int32_t steps, ignored;
-    int32_t copied; /**< steps within <use> */
+    int32_t copied;  /**< steps within <use> */
     void *templates; /**< of <use>, element_svg_walk.c */
     tz_element_set set;
 } tz_element_reader;
