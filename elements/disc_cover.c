@@ -66,7 +66,7 @@ typedef struct work {
     bool mask[MASK * MASK], odd[MASK * MASK];
     bool in[CELLS];      /* inside */
     double miss[CELLS];  /* 1 = not covered yet */
-    int8_t owner[CELLS]; /* disc of least power */
+    int16_t owner[CELLS]; /* disc of least power */
 } work;
 
 static double to_edge2(const edge *e, tz_vec2 p)
@@ -306,7 +306,7 @@ static void find_owners(work *w, const tz_disc_cover *c)
             const double x = p.x - c->disc[k].at.x, y = p.y - c->disc[k].at.y;
             const double power = x * x + y * y - c->disc[k].radius * c->disc[k].radius;
             if (power < least)
-                least = power, w->owner[i] = (int8_t)k;
+                least = power, w->owner[i] = (int16_t)k;
         }
     }
 }
