@@ -64,8 +64,8 @@ typedef struct work {
     rim;                 /* pieces of the silhouette's border */
     int32_t near[CELLS]; /* nearest piece known, -1 = none */
     bool mask[MASK * MASK], odd[MASK * MASK];
-    bool in[CELLS];      /* inside */
-    double miss[CELLS];  /* 1 = not covered yet */
+    bool in[CELLS];       /* inside */
+    double miss[CELLS];   /* 1 = not covered yet */
     int16_t owner[CELLS]; /* disc of least power */
 } work;
 

@@ -163,7 +163,7 @@ tz_status tz_fill_begin(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *lay
 
 static tz_status iterate_once(tz_fill *f, tz_fill_energy *e)
 {
-    double turn[4], place[3], graph;
+    double turn[4], place[3] = {0}, graph;
     *e = (tz_fill_energy){0};
     tz_status s = tz_fill_diagram(f);
     if (s != TZ_OK || f->live.n == 0)

@@ -33,6 +33,9 @@ typedef struct place_run {
     double per_area; /* 1 / mean area of cells */
 } place_run;
 
+/* Of places: 2 or 3. */
+static int axes(const tz_fill *f) { return f->dim == 3 ? 3 : 2; }
+
 static bool is_live(const tz_fill *f, int32_t s)
 {
     const tz_fill_body *b = &f->body.v[f->owner[s]];
@@ -47,7 +50,7 @@ static bool lacks_border(const tz_fill *f, int32_t s, double k[3])
     const double at[3] = {p.x, p.y, p.z}, most[3] = {size.x, size.y, size.z};
     bool any = false;
     k[0] = k[1] = k[2] = 0;
-    for (int i = 0; i < f->dim && !f->domain.torus; i++) {
+    for (int i = 0; i < axes(f) && !f->domain.torus; i++) {
         if (2 * r >= most[i])
             k[i] = most[i] / 2 - at[i];
         else if (at[i] < r)
@@ -132,7 +135,7 @@ static void add_sample(const place_run *t, int32_t s, double *g, double *diag,
     tz_fill *f = t->f;
     const tz_vec3 c = to_centre(t, s);
     const double a = f->calm * t->cells->area[s] * t->per_area;
-    double k[3];
+    double k[3] = {0};
     g[0] += a * c.x, g[1] += a * c.y, g[2] += a * c.z;
     *diag += a;
     sums[0] += a * (c.x * c.x + c.y * c.y + c.z * c.z);
@@ -140,7 +143,7 @@ static void add_sample(const place_run *t, int32_t s, double *g, double *diag,
     if (lacks_border(f, s, k)) {
         double lack = 0;
         *diag += 2;
-        for (int i = 0; i < f->dim; i++) {
+        for (int i = 0; i < axes(f); i++) {
             g[i] += 2 * k[i];
             lack += k[i] * k[i];
         }
@@ -163,7 +166,7 @@ static void find_hits(void *arg, int32_t from, int32_t to, double sums[4])
             const int32_t *near = t->cells->neighbour + t->cells->start[s];
             for (int32_t i = 0; i < t->cells->count[s]; i++) {
                 const int32_t q = near[i];
-                double h[3], lack;
+                double h[3] = {0}, lack;
                 if (f->owner[q] == f->owner[s] || !lacks_room(f, s, q, h, &lack))
                     continue;
                 f->hit_to[n] = f->node[q], f->hit_w[n++] = 2;
@@ -175,7 +178,7 @@ static void find_hits(void *arg, int32_t from, int32_t to, double sums[4])
         }
         f->hit_count[node] = n - f->hit_start[node];
         f->diag[node] = diag;
-        for (int a = 0; a < f->dim; a++)
+        for (int a = 0; a < axes(f); a++)
             f->gradient[(ptrdiff_t)node * f->dim + a] = g[a];
     }
 }
@@ -185,14 +188,14 @@ static void measure_after(void *arg, int32_t from, int32_t to, double sums[4])
 {
     const place_run *t = arg;
     const tz_fill *f = t->f;
-    const int m = f->dim;
+    const int m = axes(f);
     for (int32_t j = from; j < to; j++) {
         const int32_t s = f->live_sample.v[j];
         const double *d = f->step + (ptrdiff_t)f->node[s] * m;
         const tz_vec3 c = to_centre(t, s);
         const double g[3] = {c.x, c.y, c.z},
                      a = f->calm * t->cells->area[s] * t->per_area;
-        double k[3], h[3], lack;
+        double k[3] = {0}, h[3] = {0}, lack;
         const bool border = lacks_border(f, s, k);
         for (int i = 0; i < m; i++) {
             sums[0] += a * (d[i] - g[i]) * (d[i] - g[i]);
@@ -220,7 +223,7 @@ static tz_vec3 drift(const place_run *t, const tz_fill_body *b)
     double plain[3] = {0, 0, 0}, weighed[3] = {0, 0, 0}, area = 0;
     for (int32_t s = b->first; s < b->first + b->n; s++) {
         const double a = t->cells->area[s];
-        for (int i = 0; i < f->dim; i++) {
+        for (int i = 0; i < axes(f); i++) {
             const double d = f->step[(ptrdiff_t)s * f->dim + i];
             plain[i] += d / b->n, weighed[i] += a * d;
         }
