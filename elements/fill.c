@@ -26,8 +26,6 @@ static const tz_param rows[] = {
      NULL, "that a thing is made of, at most"},
     {"repair", TZ_PARAM_BOOL, offsetof(tz_fill_params, repair), 0, 1, "true", "", NULL,
      "keeps true outlines apart and fills gaps at the end"},
-    {"tolerance", TZ_PARAM_DOUBLE, offsetof(tz_fill_params, tolerance), 0, 1, "0.003", "",
-     NULL, "overlap that may stay, as a share of the things' area"},
 };
 const tz_param_table tz_fill_param_table = {
     "fill", "fills a domain with things along strokes", rows, sizeof rows / sizeof *rows,
@@ -79,8 +77,7 @@ static tz_status check(tz_ctx *ctx, const tz_fill_job *j, const tz_fill_params *
         return tz_fail(ctx, TZ_INVALID, "nothing of the domain lies inside its region");
     if (!between(p->alpha, 0, 1e6) || !between(p->beta, 0, 1e6) ||
         !between(p->fill, 1e-6, 1e3) || !(p->rigidity >= 0) ||
-        !between(p->iterations, 0, 1e6) || !between(p->discs, 1, TZ_COVER_DISCS) ||
-        !(p->tolerance >= 0))
+        !between(p->iterations, 0, 1e6) || !between(p->discs, 1, TZ_COVER_DISCS))
         return tz_fail(ctx, TZ_INVALID,
                        "a parameter of the fill is out of range (alpha %g, beta %g, fill "
                        "%g, rigidity %g, iterations %d, discs %d)",

@@ -47,7 +47,6 @@ typedef struct tz_fill_params {
     int32_t start;      /**< tz_fill_start */
     int32_t discs;      /**< that a thing is made of, at most */
     bool repair;        /**< true outlines are kept apart and gaps filled at the end */
-    double tolerance;   /**< overlap that may stay, share of the things' area */
 } tz_fill_params;
 TZ_API extern const tz_param_table tz_fill_param_table;
 
