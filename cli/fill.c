@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "elements/fill.h"
+#include "fields/fill.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -12,7 +12,7 @@
 #include "cli/figures.h"
 #include "cli/material.h"
 #include "elements/element_io.h"
-#include "elements/mix.h"
+#include "fields/mix.h"
 #include "synthesis/element_ground.h"
 #include "synthesis/expand.h"
 

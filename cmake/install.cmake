@@ -2,7 +2,7 @@
 # `cmake --install`: command, libraries, headers, pkg-config, man page, completions.
 install(TARGETS terrazzo LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS terrazzo_static ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-foreach(folder base elements curves scenes analysis synthesis)
+foreach(folder base elements fields curves scenes analysis synthesis)
     file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.h)
     list(FILTER headers EXCLUDE REGEX "_(internal|module)\\.h$")
     install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrazzo/${folder})

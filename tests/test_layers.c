@@ -17,12 +17,13 @@ static const struct {
 } folders[] = {
     {"base", "base"},
     {"elements", "base elements"},
+    {"fields", "base elements fields"},
     {"curves", "base elements curves"},
     {"scenes", "base scenes"},
     {"analysis", "base elements curves scenes analysis"},
     {"synthesis", "base elements curves scenes analysis synthesis"},
-    {"cli", "base elements curves scenes analysis synthesis cli"},
-    {"viewer", "base elements curves scenes analysis synthesis viewer"},
+    {"cli", "base elements fields curves scenes analysis synthesis cli"},
+    {"viewer", "base elements fields curves scenes analysis synthesis viewer"},
 };
 enum { FOLDERS = sizeof folders / sizeof *folders };
 
@@ -126,11 +127,11 @@ static void tests_include_from_the_root(void **state)
 {
     (void)state;
     static const char *const all =
-        "base elements curves scenes analysis synthesis cli viewer tests";
+        "base elements fields curves scenes analysis synthesis cli viewer tests";
     static const char *const dirs[] = {
-        "tests",        "tests/base",     "tests/elements",  "tests/curves",
-        "tests/scenes", "tests/analysis", "tests/synthesis", "tests/cli",
-        "tests/fuzz",   "tests/bench"};
+        "tests",        "tests/base",   "tests/elements", "tests/fields",
+        "tests/curves", "tests/scenes", "tests/analysis", "tests/synthesis",
+        "tests/cli",    "tests/fuzz",   "tests/bench"};
     int files = 0, bad = 0;
     for (size_t i = 0; i < sizeof dirs / sizeof *dirs; i++)
         bad += check_folder(dirs[i], all, &files);

@@ -29,8 +29,8 @@
 #include <math.h>
 
 #include "elements/element_io.h"
-#include "elements/fill_internal.h"
 #include "elements/frames.h"
+#include "fields/fill_internal.h"
 #include "tests/bench/bench.h"
 
 static const char leaf[] = "<path d=\"M-10,0 C-5,-5 4,-5 10,0 C4,5 -5,5 -10,0Z\" "

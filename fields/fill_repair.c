@@ -19,7 +19,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 enum {
     WIDE = 20,    /* rounds with a margin */

@@ -4,8 +4,8 @@
  * different radii, joined to a graph; and the shape itself as signed distances.
  * @source [Hsu20] Sec. Sampling, Fig. 6 (weighted samples and graph); Wang et al.,
  *   Variational sphere set approximation, 2006 (cost of what is left out) */
-#ifndef TZ_ELEMENTS_DISC_COVER_H
-#define TZ_ELEMENTS_DISC_COVER_H
+#ifndef TZ_FIELDS_DISC_COVER_H
+#define TZ_FIELDS_DISC_COVER_H
 
 #include "base/array.h"
 #include "base/geom.h"

@@ -8,8 +8,8 @@
  * @source Aurenhammer, Power diagrams, 1987; [Hsu20] Sec. Sample distribution, Fig. 7.
  *   Cells by clipping: Levy, Bonneel, Variational anisotropic surface meshing with Voronoi
  *   parallel linear enumeration, 2012 (security radius) */
-#ifndef TZ_ELEMENTS_POWER_H
-#define TZ_ELEMENTS_POWER_H
+#ifndef TZ_FIELDS_POWER_H
+#define TZ_FIELDS_POWER_H
 
 #include "elements/domain.h"
 

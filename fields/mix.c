@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "elements/mix.h"
+#include "fields/mix.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "elements/power.h"
+#include "fields/power.h"
 
 typedef struct face {
     TZ_ARRAY(tz_vec3)

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "base/svg.h"
-#include "elements/mix.h"
+#include "fields/mix.h"
 #include "tests/support/elements.h"
 
 /** Things of three classes, called leaf, stone and a:3. */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "elements/element_io.h"
-#include "elements/fill.h"
+#include "fields/fill.h"
 
 /** A leaf, a disc and a bar, `scale` times as large. */
 static inline tz_status filling_palette(tz_ctx *ctx, double scale, tz_element_set *s)

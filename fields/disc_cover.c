@@ -12,7 +12,7 @@
  * The shape is the silhouette: the union of all polygons. By even and odd a vein, an eye
  * or a second coat of paint would be a hole, and distances be those to the vein. So edges
  * are cut to pieces, and those with the silhouette on both sides are left out. */
-#include "elements/disc_cover.h"
+#include "fields/disc_cover.h"
 
 #include <string.h>
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The driver: begin, iterate, write. */
-#include "elements/fill.h"
+#include "fields/fill.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "elements/bend.h"
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 static const tz_param rows[] = {
     {"alpha", TZ_PARAM_DOUBLE, offsetof(tz_fill_params, alpha), 0, 100, "1", "", NULL,

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 typedef struct order {
     uint64_t key;

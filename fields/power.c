@@ -13,7 +13,7 @@
  * With a region a cell that its border may run through is split into triangles down to
  * about a cell of the region's raster, and these are cut where the signed distance, linear
  * over each, is 0. */
-#include "elements/power.h"
+#include "fields/power.h"
 
 #include <assert.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 enum { STREAM_BODY = 0xf1e1d, STREAM_PLACE = 0xf1e1e };
 

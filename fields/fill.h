@@ -12,9 +12,9 @@
  *
  * Interactive use: tz_fill_begin, then tz_fill_iterate, tz_fill_repair, the brushes and
  * tz_fill_write in any order.
- * @source [Hsu20]; elements/fill_internal.h has the formulation */
-#ifndef TZ_ELEMENTS_FILL_H
-#define TZ_ELEMENTS_FILL_H
+ * @source [Hsu20]; fields/fill_internal.h has the formulation */
+#ifndef TZ_FIELDS_FILL_H
+#define TZ_FIELDS_FILL_H
 
 #include "base/param.h"
 #include "elements/element.h"

@@ -8,8 +8,8 @@
 #include "base/kdtree.h"
 #include "elements/bend.h"
 #include "elements/extent.h"
-#include "elements/fill.h"
 #include "elements/guide.h"
+#include "fields/fill.h"
 
 enum { SIDE = 1024, NEAR = 6 };
 

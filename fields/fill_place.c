@@ -19,7 +19,7 @@
  *
  * The graph step then minimises, body by body, sum |p - p*|^2 + w_g E_g from the places
  * p* just found. Its matrix depends on the graph alone: the inverse is kept by model. */
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 #include <string.h>
 

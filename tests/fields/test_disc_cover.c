@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "elements/disc_cover.h"
+#include "fields/disc_cover.h"
 
 static const int32_t one_part[1] = {0};
 

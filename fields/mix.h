@@ -15,10 +15,10 @@
  *   jitter=DEG    each thing turns by up to this more, either way
  *
  * A palette may bring its mix along: tz:mix of its <svg>. */
-#ifndef TZ_ELEMENTS_MIX_H
-#define TZ_ELEMENTS_MIX_H
+#ifndef TZ_FIELDS_MIX_H
+#define TZ_FIELDS_MIX_H
 
-#include "elements/fill.h"
+#include "fields/fill.h"
 
 typedef TZ_ARRAY(tz_fill_entry)
 tz_mix;

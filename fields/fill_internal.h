@@ -21,12 +21,12 @@
  *   fill_repair.c    true outlines     fill_edit.c    brushes, local work
  *   fill_measure.c   figures of a layout
  * @source [Hsu20] Sec. Formulation, Solver */
-#ifndef TZ_ELEMENTS_FILL_INTERNAL_H
-#define TZ_ELEMENTS_FILL_INTERNAL_H
+#ifndef TZ_FIELDS_FILL_INTERNAL_H
+#define TZ_FIELDS_FILL_INTERNAL_H
 
-#include "elements/disc_cover.h"
-#include "elements/fill.h"
-#include "elements/power.h"
+#include "fields/disc_cover.h"
+#include "fields/fill.h"
+#include "fields/power.h"
 
 enum {
     TZ_FILL_BLOCK = 256,    /**< nodes or bodies that one task does; sums run block by

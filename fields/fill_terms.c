@@ -10,7 +10,7 @@
  *
  * Confidence, Eq. (7), is area over that of a unit of the domain; a pixel there, here
  * 1/CONFIDENT of a mean disc, so that nothing depends on units. */
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
  * are well conditioned where things touch, and each iteration begins where the last one
  * ended, so that a few rounds are enough; factorising anew would cost more than all of
  * them, as the neighbours, and so the pattern, change each time. */
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 #include <string.h>
 

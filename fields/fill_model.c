@@ -2,7 +2,7 @@
 /* Models of the palette's things, and bodies: their discs in the world. */
 #include <string.h>
 
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 /* ---- models ------------------------------------------------------------------------- */
 

@@ -3,7 +3,7 @@
  * Element fields: what a filled domain must be, whatever is in it. */
 #include "tests/base/check.h"
 
-#include "tests/elements/filling.h"
+#include "tests/fields/filling.h"
 
 /* What is filled in most tests. */
 typedef struct bed {

@@ -2,7 +2,7 @@
 /* Brushes. What a stroke touches, and a few bodies about it, is awake: lists, diagram and
  * steps then run over these alone, and the rest is held as it lies. */
 #include "base/rng.h"
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 #define HALO 2.0 /* mean reaches about a stroke that give way */
 enum { STREAM_BRUSH = 0xf1e21 };

@@ -5,8 +5,8 @@
 #include "tests/base/check.h"
 
 #include "base/rng.h"
-#include "elements/fill_internal.h"
-#include "tests/elements/filling.h"
+#include "fields/fill_internal.h"
+#include "tests/fields/filling.h"
 
 enum { BODIES = 24, DISCS = 3, N = BODIES * DISCS, MOST = 64 };
 

@@ -5,7 +5,7 @@
  * stroke's size, everywhere, would put far too many where sizes change.) */
 #include <string.h>
 
-#include "elements/fill_internal.h"
+#include "fields/fill_internal.h"
 
 enum { SIDE = 64, SWEEPS = 160 };
 #define OVER 1.9 /* successive over-relaxation */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "elements/power.h"
+#include "fields/power.h"
 
 enum { SITES = 400 };
 
