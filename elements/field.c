@@ -156,13 +156,14 @@ static void say(tz_element_field_cell *c, const tz_element_field_stroke *s,
 {
     const tz_vec2 d = tz_vec2_sub(b->at, a->at);
     const double l = tz_vec2_length(d);
-    c->weight = (float)s->weight;
+    const float w = (float)s->weight;
     if (s->directed && l > 0)
-        c->x = (float)(d.x / l), c->y = (float)(d.y / l);
+        c->x = (float)(d.x / l), c->y = (float)(d.y / l), c->weight[0] = w;
     if (a->size > 0 && b->size > 0)
-        c->size = (float)(a->size + t * (b->size - a->size));
+        c->size = (float)(a->size + t * (b->size - a->size)), c->weight[1] = w;
     if (a->density >= 0 && b->density >= 0)
-        c->density = (float)(a->density + t * (b->density - a->density));
+        c->density = (float)(a->density + t * (b->density - a->density)),
+        c->weight[2] = w;
 }
 
 /* Which stroke spoke last in a cell, and from how far. */
@@ -250,13 +251,6 @@ static tz_status draw_strokes(tz_element_field *f)
 
 /* ---- the nearest that says something ------------------------------------------------ */
 
-static bool says(const tz_element_field_cell *c, int what)
-{
-    if (!(c->weight > 0))
-        return false;
-    return what == 0 ? c->x != 0 || c->y != 0 : what == 1 ? c->size > 0 : c->density >= 0;
-}
-
 /* Lower envelope of parabolas h[q] + (x - q)^2 over one line; from[q] is handed on. */
 typedef struct envelope {
     int32_t *v;
@@ -312,7 +306,7 @@ static tz_status find_nearest(tz_element_field *f, int what)
         s = tz_alloc(f->ctx, &e.z, 3 * (size_t)longer, sizeof *e.z);
     bool any = false;
     for (size_t i = 0; i < n && s == TZ_OK; i++) {
-        const bool known = says(&f->cell[i], what);
+        const bool known = f->cell[i].weight[what] > 0;
         d2[i] = known ? 0 : HUGE_VAL;
         f->nearest[what][i] = known ? (int32_t)i : -1;
         any = any || known;

@@ -40,12 +40,16 @@ typedef enum tz_element_field_map {
     TZ_ELEMENT_FIELD_DENSITY /**< value 0 .. 1 */
 } tz_element_field_map;
 
+/** What can be said: direction, size, density. */
+enum { TZ_ELEMENT_FIELD_SAYINGS = 3 };
+
 /** What is said in one cell. */
 typedef struct tz_element_field_cell {
     float x, y;    /**< unit vector; 0, 0 = not said */
     float size;    /**< 0 = not said */
     float density; /**< < 0 = not said */
-    float weight;
+    float weight[TZ_ELEMENT_FIELD_SAYINGS]; /**< of direction, size, density; 0 where that
+                                                 is not said */
 } tz_element_field_cell;
 
 /** Strokes are kept as they were drawn; `cell` is what they and the images say. */
@@ -102,7 +106,7 @@ static inline const tz_element_field_cell *tz_element_field_at(const tz_element_
                                                                tz_vec3 at)
 {
     const tz_element_field_cell *c = &f->cell[tz_raster_at(&f->raster, at)];
-    return c->weight > 0 ? c : NULL;
+    return c->weight[0] > 0 || c->weight[1] > 0 || c->weight[2] > 0 ? c : NULL;
 }
 
 #endif

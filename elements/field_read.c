@@ -206,11 +206,11 @@ static void say_pixel(tz_element_field_cell *c, tz_element_field_map map,
     const double l = tz_vec2_length(v);
     const float value = fminf(fmaxf(p[0], 0), 1);
     if (map == TZ_ELEMENT_FIELD_DIRECTION && l > 0)
-        c->x = (float)(v.x / l), c->y = (float)(v.y / l), c->weight = 1;
+        c->x = (float)(v.x / l), c->y = (float)(v.y / l), c->weight[0] = 1;
     if (map == TZ_ELEMENT_FIELD_SIZE && value > 0)
-        c->size = 2 * value, c->weight = 1;
+        c->size = 2 * value, c->weight[1] = 1;
     if (map == TZ_ELEMENT_FIELD_DENSITY)
-        c->density = value, c->weight = 1;
+        c->density = value, c->weight[2] = 1;
 }
 
 tz_status tz_element_field_read_image(tz_element_field *f, const char *path,

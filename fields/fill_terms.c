@@ -150,7 +150,7 @@ static void look_up(tz_fill *f, int32_t s)
             if (v.x * v.x + v.y * v.y > r * r)
                 continue;
         }
-        const double w = sure * (double)c->weight;
+        const double w = sure * (double)c->weight[what];
         if (what == 0) {
             f->confident[s] = w, f->prior[s] = 0;
             f->target[2 * (ptrdiff_t)s] = (double)c->x;

@@ -355,7 +355,7 @@ static void full_field(tz_ctx *ctx, const char *path, tz_vec3 size, tz_element_f
     for (int32_t i = 0; i < n; i++) {
         const tz_vec3 at = {(i % w + 0.5) * size.x / w, (i / w + 0.5) * size.x / w, 0};
         const double a = tz_frames_angle(frames, at);
-        f->image[i] = (tz_element_field_cell){(float)cos(a), (float)sin(a), 0, -1, 1000};
+        f->image[i] = (tz_element_field_cell){(float)cos(a), (float)sin(a), 0, -1, {1000}};
     }
     bench_check(ctx, tz_element_field_settle(f));
     tz_frames_free(frames);

@@ -171,7 +171,7 @@ static void drawings_are_read(void **state)
         if (k == 0) {
             assert_true(fabs((double)c->size - 2) < 0.1);
             assert_true(fabs((double)c->density - 0.5) < 1e-6);
-            assert_true(fabs((double)c->weight - 2) < 1e-6);
+            assert_true(fabs((double)c->weight[0] - 2) < 1e-6);
         }
         tz_element_field_deinit(&f);
         end_ctx(ctx);
