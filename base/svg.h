@@ -10,10 +10,11 @@
 #include "base/geom.h"
 #include "base/number.h" /* tz_number_format */
 
-#define TZ_SVG_NS   "http://www.w3.org/2000/svg"
-#define TZ_XLINK_NS "http://www.w3.org/1999/xlink"
+#define TZ_SVG_NS      "http://www.w3.org/2000/svg"
+#define TZ_XLINK_NS    "http://www.w3.org/1999/xlink"
+#define TZ_INKSCAPE_NS "http://www.inkscape.org/namespaces/inkscape"
 /** Namespace of our own attributes, written as tz:name. */
-#define TZ_NS       "https://terrazzo.example/ns/1"
+#define TZ_NS          "https://terrazzo.example/ns/1"
 
 /* ---- reading -------------------------------------------------------------------- */
 
@@ -33,7 +34,7 @@ TZ_API tz_svg_node tz_svg_next(tz_svg_node n);          /**< next element siblin
 TZ_API bool tz_svg_is(tz_svg_node n, const char *name); /**< SVG-namespace local name */
 TZ_API int32_t tz_svg_line(tz_svg_node n);
 /** Attribute value, or NULL. Names: "width", "xlink:href" (also finds plain href),
- * "tz:group". Valid while the document is. */
+ * "tz:group", "inkscape:label". Valid while the document is. */
 TZ_API const char *tz_svg_attr(tz_svg_node n, const char *name);
 /** Text content of a node (e.g. metadata), or "". Valid while the document is. */
 TZ_API const char *tz_svg_text(tz_svg_doc *doc, tz_svg_node n);

@@ -266,6 +266,8 @@ const char *tz_svg_attr(tz_svg_node node, const char *name)
         const char *value = attr_in(n, TZ_XLINK_NS, name + 6);
         return value ? value : attr_in(n, NULL, name + 6); /* as SVG 2 has it */
     }
+    if (strncmp(name, "inkscape:", 9) == 0)
+        return attr_in(n, TZ_INKSCAPE_NS, name + 9);
     return attr_in(n, NULL, name);
 }
 

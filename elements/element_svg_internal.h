@@ -40,7 +40,10 @@ typedef struct tz_part {
     bool round; /**< a circle */
     bool owned; /**< belongs to a thing already */
     int32_t line, order;
-    const char *name; /**< tz:class, or NULL */
+    const char *name;  /**< tz:class, or NULL */
+    const char *id;    /**< or NULL */
+    const char *label; /**< inkscape:label, or NULL */
+    const char *group; /**< tz:class of the innermost group or <use> that has one */
 } tz_part;
 
 /** A group of the document: parts first .. end - 1, and the spans within it follow. */

@@ -20,7 +20,8 @@ typedef struct frame {
 typedef struct state {
     tz_affine map;
     tz_style style;
-    bool owned; /* within a thing: shapes are its parts */
+    bool owned;        /* within a thing: shapes are its parts */
+    const char *group; /* tz:class of the innermost group or <use> that has one */
     int depth;
     const frame *uses;
 } state;
@@ -363,6 +364,8 @@ static tz_status walk_shape(tz_element_reader *r, tz_svg_node n, const state *s)
     if (!s->style.visible)
         return TZ_OK;
     tz_status st = tz_part_add(r, n, &s->style, s->map, s->owned);
+    if (r->part.n > before)
+        r->part.v[before].group = s->group;
     if (st != TZ_OK || r->part.n == before || s->owned)
         return st;
     bool behind;
@@ -428,6 +431,7 @@ static tz_status walk(tz_element_reader *r, tz_svg_node n, const state *up, bool
         return st;
     if (shape)
         return walk_shape(r, n, &s);
+    s.group = class_of(n, s.group);
     if (use)
         return walk_use(r, n, &s);
     return nested ? walk_nested(r, n, &s) : walk_group(r, n, &s);

@@ -7,6 +7,7 @@
  * @source Felzenszwalb, Huttenlocher, Distance transforms of sampled functions, 2012 */
 #include "elements/field.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "elements/guide.h"
@@ -44,22 +45,24 @@ void tz_element_field_deinit(tz_element_field *f)
 static tz_status check(tz_ctx *ctx, const tz_element_field_stroke *s, int32_t n,
                        const tz_element_field_point *p)
 {
+    const double least = TZ_ELEMENT_FIELD_LEAST_SIZE, most = TZ_ELEMENT_FIELD_MOST_SIZE;
     if (n < 1)
         return tz_fail(ctx, TZ_INVALID, "a stroke has no point");
     if (!(s->radius >= 0) || !isfinite(s->radius) || !(s->weight > 0) ||
-        !isfinite(s->weight))
+        !(s->weight <= TZ_ELEMENT_FIELD_MOST_WEIGHT))
         return tz_fail(ctx, TZ_INVALID,
                        "a stroke has radius %g and weight %g; the radius must be 0 or "
-                       "more, the weight above 0",
-                       s->radius, s->weight);
+                       "more, the weight above 0 and at most %g",
+                       s->radius, s->weight, TZ_ELEMENT_FIELD_MOST_WEIGHT);
     for (int32_t i = 0; i < n; i++) {
         if (!isfinite(p[i].at.x) || !isfinite(p[i].at.y))
             return tz_fail(ctx, TZ_INVALID, "point %d of a stroke is not a number", i);
-        if (!(p[i].size >= 0) || !isfinite(p[i].size) || !(p[i].density <= 1))
+        if (!(p[i].size == 0 || (p[i].size >= least && p[i].size <= most)) ||
+            !(p[i].density <= 1))
             return tz_fail(ctx, TZ_INVALID,
-                           "a stroke has size %g and density %g; the size must be above "
-                           "0, the density between 0 and 1",
-                           p[i].size, p[i].density);
+                           "a stroke has size %g and density %g; the size must be "
+                           "between %g and %g, the density between 0 and 1",
+                           p[i].size, p[i].density, least, most);
     }
     return TZ_OK;
 }
@@ -134,7 +137,11 @@ tz_status tz_element_field_place(tz_element_field *f, const tz_element_field *pr
         const int32_t from = t.point;
         t.radius *= scale;
         t.point = f->point.n;
-        s = tz_array_reserve(f->ctx, &f->point, (int64_t)f->point.n + t.points);
+        if ((int64_t)f->point.n + t.points > MOST_POINTS)
+            s = tz_fail(f->ctx, TZ_LIMIT, "a field has over %d points of strokes",
+                        MOST_POINTS);
+        else
+            s = tz_array_reserve(f->ctx, &f->point, (int64_t)f->point.n + t.points);
         for (int32_t i = 0; i < t.points && s == TZ_OK; i++) {
             tz_element_field_point p = preset->point.v[from + i];
             p.at = tz_affine_apply(map, p.at);
@@ -156,7 +163,7 @@ static void say(tz_element_field_cell *c, const tz_element_field_stroke *s,
 {
     const tz_vec2 d = tz_vec2_sub(b->at, a->at);
     const double l = tz_vec2_length(d);
-    const float w = (float)s->weight;
+    const float w = fmaxf((float)s->weight, FLT_MIN);
     if (s->directed && l > 0)
         c->x = (float)(d.x / l), c->y = (float)(d.y / l), c->weight[0] = w;
     if (a->size > 0 && b->size > 0)

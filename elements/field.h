@@ -4,13 +4,15 @@
  * point, how large they are and how densely they lie. Elsewhere nothing is said, and who
  * arranges decides.
  *
- * A drawing of strokes: each path points along itself and speaks under its width. Its
- * tz:class holds words, all optional, numbers one for the stroke or several, spread evenly
- * along it and linear between:
+ * A drawing of strokes: each path, line or outline that is seen points along itself and
+ * speaks under its width; what is only filled and covers all of the view is left out. Its
+ * tz:class, or its label in Inkscape (inkscape:label), or the tz:class of the group or
+ * <use> that it is drawn by, holds words, all optional, numbers one for the stroke or
+ * several, spread evenly along it and linear between:
  *
- *   size=2  size=1,2,1   factor of the things' own size
+ *   size=2  size=1,2,1   factor of the things' own size, 0.001 .. 1000
  *   density=0.5          1 = as dense as the rest, 0 = sparsest
- *   weight=3             of its say against continuity
+ *   weight=3             of its say against continuity, and against lighter strokes
  *   direction=no         says nothing about directions
  * @source [Hsu20] Sec. Autocomplete, Field alignment, Distribution manipulation */
 #ifndef TZ_ELEMENTS_FIELD_H
@@ -19,17 +21,21 @@
 #include "base/array.h"
 #include "elements/raster.h"
 
+#define TZ_ELEMENT_FIELD_LEAST_SIZE  1e-3
+#define TZ_ELEMENT_FIELD_MOST_SIZE   1e3
+#define TZ_ELEMENT_FIELD_MOST_WEIGHT 1e6
+
 /** A point of a stroke. */
 typedef struct tz_element_field_point {
     tz_vec2 at;
-    double size;    /**< > 0; 0 = not said */
+    double size;    /**< within the limits above; 0 = not said */
     double density; /**< 0 .. 1; < 0 = not said */
 } tz_element_field_point;
 
 typedef struct tz_element_field_stroke {
     int32_t point, points; /**< tz_element_field.point */
     double radius;         /**< half of its width, user units; >= 0 */
-    double weight;         /**< > 0 */
+    double weight;         /**< > 0, <= 1e6 */
     bool directed;         /**< says directions */
     bool closed;
 } tz_element_field_stroke;
@@ -45,9 +51,9 @@ enum { TZ_ELEMENT_FIELD_SAYINGS = 3 };
 
 /** What is said in one cell. */
 typedef struct tz_element_field_cell {
-    float x, y;    /**< unit vector; 0, 0 = not said */
-    float size;    /**< 0 = not said */
-    float density; /**< < 0 = not said */
+    float x, y;                             /**< unit vector; 0, 0 = not said */
+    float size;                             /**< 0 = not said */
+    float density;                          /**< < 0 = not said */
     float weight[TZ_ELEMENT_FIELD_SAYINGS]; /**< of direction, size, density; 0 where that
                                                  is not said */
 } tz_element_field_cell;
@@ -85,12 +91,13 @@ TZ_API void tz_element_field_erase(tz_element_field *f, tz_vec2 at, double radiu
  * @return TZ_OK; TZ_INVALID (the map has no inverse); TZ_LIMIT; TZ_NOMEM */
 TZ_API tz_status tz_element_field_place(tz_element_field *f,
                                         const tz_element_field *preset, tz_affine map);
-/** Adds the strokes of a drawing, whose view is stretched over the domain.
- * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_INVALID (no strokes; a word it does not know, names
- *   it); TZ_LIMIT; TZ_NOMEM */
+/** Adds the strokes of a drawing, whose view is stretched over the domain. Strokes of no
+ * length and those out of view say nothing.
+ * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_INVALID (no strokes in view; a word that is unknown
+ *   or out of range, names file, line and path); TZ_LIMIT; TZ_NOMEM; TZ_CANCELLED */
 TZ_API tz_status tz_element_field_read_strokes(tz_element_field *f, const char *path);
-/** Adds what an image says everywhere (but where it is transparent).
- * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_NOMEM */
+/** Adds what an image says everywhere (but where it is transparent); means of pixels.
+ * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_INVALID (it says nothing at all); TZ_NOMEM */
 TZ_API tz_status tz_element_field_read_image(tz_element_field *f, const char *path,
                                              tz_element_field_map map);
 /** Reads a drawing of strokes or (other suffix) an image of directions: all of a field.

@@ -16,13 +16,20 @@ typedef struct words {
     bool directed;
 } words;
 
-static tz_status unknown(tz_ctx *ctx, const char *path, int32_t line, const char *word,
-                         size_t n)
+/* Where a word stands, for messages. */
+typedef struct place {
+    tz_ctx *ctx;
+    const char *file;
+    const tz_part *part;
+} place;
+
+/* A word that cannot be. */
+static tz_status refuse(const place *at, const char *word, size_t n, const char *why)
 {
-    return tz_fail(ctx, TZ_INVALID,
-                   "%s:%d: a stroke says \"%.*s\"; it may say size=2, density=0.5, "
-                   "weight=3 (or several numbers with commas) and direction=no",
-                   path, line, (int)(n < 40 ? n : 40), word);
+    const char *id = at->part->id && *at->part->id ? at->part->id : NULL;
+    return tz_fail(at->ctx, TZ_INVALID, "%s:%d: %s%.60s%s says \"%.*s\"; %s", at->file,
+                   at->part->line, id ? "path \"" : "a stroke", id ? id : "",
+                   id ? "\"" : "", (int)(n < 40 ? n : 40), word, why);
 }
 
 /* Numbers with commas between; 0 where they are none. */
@@ -42,53 +49,93 @@ static int32_t numbers(const char *text, size_t n, double *out)
             return 0;
         count++;
         text += length + 1;
+        if (stop && text == end)
+            return 0; /* a comma at the end */
     }
     return text >= end ? count : 0;
 }
 
-static tz_status read_word(tz_ctx *ctx, const char *path, int32_t line, const char *w,
-                           size_t n, words *out)
+static bool all_within(const double *v, int32_t n, double least, double most)
 {
-    double one[MOST_NUMBERS];
-    int32_t k = 0;
-    bool good = false;
-    if (n > 5 && strncmp(w, "size=", 5) == 0) {
-        k = out->sizes = numbers(w + 5, n - 5, out->size);
-        good = k > 0;
-        for (int32_t i = 0; i < k; i++)
-            good = good && out->size[i] > 0;
-    } else if (n > 8 && strncmp(w, "density=", 8) == 0) {
-        k = out->densities = numbers(w + 8, n - 8, out->density);
-        good = k > 0;
-        for (int32_t i = 0; i < k; i++)
-            out->density[i] = fmin(fmax(out->density[i], 0), 1);
-    } else if (n > 7 && strncmp(w, "weight=", 7) == 0) {
-        good = numbers(w + 7, n - 7, one) == 1 && one[0] > 0;
-        out->weight = good ? one[0] : 1;
-    } else if (n > 10 && strncmp(w, "direction=", 10) == 0) {
-        out->directed = strncmp(w + 10, "no", 2) != 0;
-        good = n == 12 && !out->directed;
-    } else {
-        good = !memchr(w, '=', n); /* a plain class name */
-    }
-    return good ? TZ_OK : unknown(ctx, path, line, w, n);
+    for (int32_t i = 0; i < n; i++)
+        if (!(v[i] >= least && v[i] <= most))
+            return false;
+    return n > 0;
 }
 
-static tz_status read_words(tz_ctx *ctx, const char *path, const tz_part *part,
-                            words *out)
+/* A word of four: its value's length is n. @return NULL, or what it should be */
+static const char *read_value(int key, const char *v, size_t n, words *out)
 {
+    double one[MOST_NUMBERS];
+    switch (key) {
+    case 0:
+        out->sizes = numbers(v, n, out->size);
+        return all_within(out->size, out->sizes, TZ_ELEMENT_FIELD_LEAST_SIZE,
+                          TZ_ELEMENT_FIELD_MOST_SIZE)
+                   ? NULL
+                   : "sizes are numbers from 0.001 to 1000, with commas between";
+    case 1:
+        out->densities = numbers(v, n, out->density);
+        return all_within(out->density, out->densities, 0, 1)
+                   ? NULL
+                   : "densities are numbers from 0 (sparsest) to 1, with commas between";
+    case 2:
+        if (numbers(v, n, one) != 1 ||
+            !(one[0] > 0 && one[0] <= TZ_ELEMENT_FIELD_MOST_WEIGHT))
+            return "a weight is one number above 0, up to a million";
+        out->weight = one[0];
+        return NULL;
+    default:
+        out->directed = n == 3 && strncmp(v, "yes", 3) == 0;
+        return out->directed || (n == 2 && strncmp(v, "no", 2) == 0)
+                   ? NULL
+                   : "it may be direction=yes or direction=no";
+    }
+}
+
+/* @param strict  words that are none of ours are refused */
+static tz_status read_word(const place *at, const char *w, size_t n, bool strict,
+                           words *out)
+{
+    static const char *const key[] = {"size=", "density=", "weight=", "direction="};
+    for (int k = 0; k < 4; k++) {
+        const size_t l = strlen(key[k]);
+        if (n < l || strncmp(w, key[k], l) != 0)
+            continue;
+        const char *why = read_value(k, w + l, n - l, out);
+        return why ? refuse(at, w, n, why) : TZ_OK;
+    }
+    return strict && memchr(w, '=', n) /* else a plain class name */
+               ? refuse(at, w, n,
+                        "it may say size=2, density=0.5, weight=3 (or several numbers "
+                        "with commas) and direction=no")
+               : TZ_OK;
+}
+
+static tz_status read_text(const place *at, const char *p, bool strict, words *out)
+{
+    static const char blank[] = " \t\r\n";
     tz_status s = TZ_OK;
-    out->sizes = out->densities = 0;
-    out->weight = 1;
-    out->directed = true;
-    for (const char *p = part->name ? part->name : ""; *p && s == TZ_OK;) {
-        p += strspn(p, " \t\n");
-        const size_t n = strcspn(p, " \t\n");
+    while (p && *p && s == TZ_OK) {
+        p += strspn(p, blank);
+        const size_t n = strcspn(p, blank);
         if (n > 0)
-            s = read_word(ctx, path, part->line, p, n, out);
+            s = read_word(at, p, n, strict, out);
         p += n;
     }
     return s;
+}
+
+/* Its group's, its label's and its own; later ones overrule. */
+static tz_status read_words(const place *at, words *out)
+{
+    out->sizes = out->densities = 0;
+    out->weight = 1;
+    out->directed = true;
+    tz_status s = read_text(at, at->part->group, true, out);
+    if (s == TZ_OK)
+        s = read_text(at, at->part->label, false, out);
+    return s == TZ_OK ? read_text(at, at->part->name, true, out) : s;
 }
 
 /* The value at a share of the way along a stroke. */
@@ -140,24 +187,48 @@ static tz_status add_line(tz_element_field *f, tz_element_field_stroke stroke,
     return s;
 }
 
+/* What is only filled and covers all of the view is its ground. */
+static bool is_ground(const tz_element_field *f, const tz_part *p)
+{
+    const double e = 1e-3 * fmin(f->raster.size.x, f->raster.size.y);
+    return !(p->look.stroke & 0xff) && p->box.x0 < e && p->box.y0 < e &&
+           p->box.x1 > f->raster.size.x - e && p->box.y1 > f->raster.size.y - e;
+}
+
+/* Whether a box that far about a line meets the domain, or on a torus one of the copies
+ * that cells are drawn of. */
+static bool in_view(const tz_element_field *f, const tz_vec2 *v, int32_t n, double radius)
+{
+    const tz_vec3 size = f->raster.size;
+    const double far = f->raster.torus ? 1 : 0;
+    tz_box b = tz_box_empty();
+    for (int32_t i = 0; i < n; i++)
+        tz_box_add(&b, v[i]);
+    return b.x0 - radius <= size.x * (1 + far) && b.y0 - radius <= size.y * (1 + far) &&
+           b.x1 + radius >= -size.x * far && b.y1 + radius >= -size.y * far;
+}
+
 static tz_status add_part(tz_element_field *f, const char *path,
                           const tz_element_reader *r, const tz_part *part, words *w)
 {
     tz_polys lines = {0};
     const double cell = f->raster.size.x / f->raster.width;
-    const double width = part->look.stroke & 0xff ? part->look.width : 0;
-    tz_status s = read_words(f->ctx, path, part, w);
+    const double radius = part->look.stroke & 0xff ? part->look.width / 2 : 0;
+    const place at = {f->ctx, path, part};
+    if (is_ground(f, part))
+        return TZ_OK;
+    tz_status s = read_words(&at, w);
     if (s == TZ_OK)
         s = tz_polys_add_path(f->ctx, &lines, r->verb.v + part->verb, part->verbs,
                               r->point.v + part->point, tz_affine_identity(), 0.1 * cell);
     for (int32_t k = 0; k < lines.part.n && s == TZ_OK; k++) {
         int32_t n;
         const tz_vec2 *v = tz_polys_part(&lines, k, &n);
-        const tz_element_field_stroke stroke = {.radius = width / 2,
+        const tz_element_field_stroke stroke = {.radius = radius,
                                                 .weight = w->weight,
                                                 .directed = w->directed,
                                                 .closed = lines.closed.v[k]};
-        if (n > 1 && length_of(v, n) > 0)
+        if (n > 1 && length_of(v, n) > 0 && in_view(f, v, n, radius))
             s = add_line(f, stroke, v, n, w);
     }
     tz_polys_deinit(f->ctx, &lines);
@@ -172,8 +243,11 @@ tz_status tz_element_field_read_strokes(tz_element_field *f, const char *path)
     tz_status s = tz_guide_read_svg(f->ctx, path, f->raster.size, &r);
     if (s == TZ_OK)
         s = tz_alloc(f->ctx, &w, 1, sizeof *w);
-    for (int32_t i = 0; i < r.part.n && s == TZ_OK; i++)
+    for (int32_t i = 0; i < r.part.n && s == TZ_OK; i++) {
         s = add_part(f, path, &r, &r.part.v[i], w);
+        if (s == TZ_OK && !(i & 4095) && tz_ctx_cancelled(f->ctx))
+            s = TZ_CANCELLED;
+    }
     if (s == TZ_OK && f->stroke.n == before)
         s = tz_fail(
             f->ctx, TZ_INVALID,
@@ -186,6 +260,12 @@ tz_status tz_element_field_read_strokes(tz_element_field *f, const char *path)
 
 /* ---- images ------------------------------------------------------------------------- */
 
+/* What pixels say, and how much of it has been summed. */
+typedef struct sum {
+    double x, y, size, density;
+    double weight[TZ_ELEMENT_FIELD_SAYINGS], all;
+} sum;
+
 static tz_vec2 direction_of(const tz_image *im, const float *p)
 {
     const double blind = 0.02; /* nearer to 0 than 8 bits can say */
@@ -197,28 +277,88 @@ static tz_vec2 direction_of(const tz_image *im, const float *p)
     return tz_vec2_length(v) < blind ? (tz_vec2){0, 0} : v;
 }
 
-static void say_pixel(tz_element_field_cell *c, tz_element_field_map map,
-                      const tz_image *im, const float *p)
+static void hear(sum *s, tz_element_field_map map, const tz_image *im, const float *p,
+                 double w)
 {
+    s->all += w;
     if (im->alpha >= 0 && p[im->alpha] < 0.5f)
         return;
-    const tz_vec2 v = direction_of(im, p);
-    const double l = tz_vec2_length(v);
-    const float value = fminf(fmaxf(p[0], 0), 1);
-    if (map == TZ_ELEMENT_FIELD_DIRECTION && l > 0)
-        c->x = (float)(v.x / l), c->y = (float)(v.y / l), c->weight[0] = 1;
-    if (map == TZ_ELEMENT_FIELD_SIZE && value > 0)
-        c->size = 2 * value, c->weight[1] = 1;
-    if (map == TZ_ELEMENT_FIELD_DENSITY)
-        c->density = value, c->weight[2] = 1;
+    const double value = fmin(fmax((double)p[0], 0), 1);
+    if (map == TZ_ELEMENT_FIELD_DIRECTION) {
+        const tz_vec2 v = direction_of(im, p);
+        if (v.x != 0 || v.y != 0)
+            s->x += w * v.x, s->y += w * v.y, s->weight[0] += w;
+    } else if (map == TZ_ELEMENT_FIELD_SIZE) {
+        if (value > 0)
+            s->size += w * value, s->weight[1] += w;
+    } else {
+        s->density += w * value, s->weight[2] += w;
+    }
+}
+
+/* What most of the pixels about a cell say, on average; angles are no numbers, so that
+ * means are of vectors. @return whether they say anything */
+static bool tell(tz_element_field_cell *c, const sum *s)
+{
+    const double l = hypot(s->x, s->y), half = 0.5 * s->all;
+    bool any = false;
+    if (s->weight[0] > half && l > 1e-6 * s->weight[0]) {
+        c->x = (float)(s->x / l), c->y = (float)(s->y / l);
+        c->weight[0] = 1, any = true;
+    }
+    if (s->weight[1] > half) {
+        c->size = (float)fmax(2 * s->size / s->weight[1], TZ_ELEMENT_FIELD_LEAST_SIZE);
+        c->weight[1] = 1, any = true;
+    }
+    if (s->weight[2] > half) {
+        c->density = (float)fmin(s->density / s->weight[2], 1);
+        c->weight[2] = 1, any = true;
+    }
+    return any;
+}
+
+/* Pixels about the middle of cell i of n, of w pixels along: all under the cell, or the
+ * nearest two where it is smaller than they. */
+typedef struct span {
+    int32_t from, to;
+    double at, reach;
+} span;
+
+static span span_of(int32_t i, int32_t n, int32_t w)
+{
+    span s = {.at = (i + 0.5) * w / n - 0.5, .reach = fmax(1, (double)w / n)};
+    s.from = (int32_t)fmax(ceil(s.at - s.reach + 1e-9), 0);
+    s.to = (int32_t)fmin(floor(s.at + s.reach - 1e-9), w - 1);
+    return s;
+}
+
+static double share_of(const span *s, int32_t i)
+{
+    return 1 - fabs(i - s->at) / s->reach;
+}
+
+static sum hear_cell(const tz_image *im, tz_element_field_map map, const span *across,
+                     const span *down)
+{
+    sum s = {0};
+    for (int32_t y = down->from; y <= down->to; y++)
+        for (int32_t x = across->from; x <= across->to; x++)
+            hear(&s, map, im, tz_image_at(im, x, y),
+                 share_of(across, x) * share_of(down, y));
+    return s;
 }
 
 tz_status tz_element_field_read_image(tz_element_field *f, const char *path,
                                       tz_element_field_map map)
 {
+    static const char *const hint[] = {
+        "it says no direction; red and green are to be x and y, 0.5 is 0",
+        "it says no size; mid grey is size 1, black is none",
+        "it says no density; let some of it be opaque"};
     const tz_raster *r = &f->raster;
     const size_t n = (size_t)r->width * (size_t)r->height;
     tz_image im = {0};
+    bool any = false;
     tz_status s = tz_guide_read_image(f->ctx, path, 4096, true, &im);
     if (s == TZ_OK && !f->image) {
         s = tz_alloc(f->ctx, &f->image, n, sizeof *f->image);
@@ -227,11 +367,13 @@ tz_status tz_element_field_read_image(tz_element_field *f, const char *path,
     }
     for (int32_t j = 0; j < r->height && s == TZ_OK; j++)
         for (int32_t i = 0; i < r->width; i++) {
-            const int32_t x = (int32_t)((i + 0.5) * im.width / r->width);
-            const int32_t y = (int32_t)((j + 0.5) * im.height / r->height);
-            say_pixel(&f->image[(int64_t)j * r->width + i], map, &im,
-                      tz_image_at(&im, x, y));
+            const span across = span_of(i, r->width, im.width),
+                       down = span_of(j, r->height, im.height);
+            const sum all = hear_cell(&im, map, &across, &down);
+            any |= tell(&f->image[(int64_t)j * r->width + i], &all);
         }
+    if (s == TZ_OK && !any)
+        s = tz_fail(f->ctx, TZ_INVALID, "%s: %s", path, hint[map]);
     tz_image_deinit(&im);
     return s;
 }
