@@ -3,7 +3,7 @@
  * two things share, the largest empty disc; and by angles: to strokes, between
  * neighbours. */
 #include <math.h>
-#include <string.h>
+#include <stdlib.h>
 
 #include "base/kdtree.h"
 #include "elements/bend.h"
@@ -151,16 +151,57 @@ static bool points(const tz_element_set *set, const tz_element_set *palette,
     return least < 0.95f * most;
 }
 
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Angles between each thing and its nearest ones. */
+static tz_status measure_neighbours(tz_ctx *ctx, const float *p, const double *angle,
+                                    int32_t n, tz_fill_report *r)
+{
+    tz_kdtree tree = {0};
+    double *turn = NULL, sum = 0, square = 0, far = 0;
+    ptrdiff_t pairs = 0;
+    if (n < 2)
+        return TZ_OK;
+    tz_status s = tz_alloc(ctx, &turn, (size_t)n * NEAR, sizeof *turn);
+    if (s == TZ_OK)
+        s = tz_kdtree_init(ctx, &tree, p, n, 2);
+    for (int32_t i = 0; i < n && s == TZ_OK; i++) {
+        int32_t id[NEAR + 1];
+        float d2[NEAR + 1];
+        const int32_t k =
+            tz_kdtree_nearest(&tree, &p[2 * (ptrdiff_t)i], NEAR + 1, id, d2);
+        for (int32_t j = 0, found = 0; j < k; j++) {
+            if (id[j] == i || found == NEAR) /* places may coincide */
+                continue;
+            found++;
+            const double t = turn_between(angle[i], angle[id[j]]);
+            sum += t, square += t * t, far += sqrt((double)d2[j]);
+            turn[pairs++] = t;
+        }
+    }
+    if (s == TZ_OK) {
+        qsort(turn, (size_t)pairs, sizeof *turn, compare);
+        r->turn = sum / (double)pairs, r->turn_rms = sqrt(square / (double)pairs);
+        r->turn_95 = turn[(ptrdiff_t)(0.95 * (double)(pairs - 1))];
+        r->spacing = far / (double)pairs;
+    }
+    tz_kdtree_deinit(&tree);
+    tz_free(ctx, turn);
+    return s;
+}
+
 static tz_status measure_turns(tz_ctx *ctx, const tz_element_set *set,
                                const tz_element_set *palette,
                                const tz_element_field *field, tz_fill_report *r)
 {
     int32_t n = 0;
     float *p = NULL;
-    double *angle = NULL;
-    tz_kdtree tree = {0};
+    double *angle = NULL, align = 0, said = 0;
     tz_extents extents = {0};
-    double align = 0, said = 0, turn = 0, pairs = 0;
     const size_t room = (size_t)set->element.n;
     tz_status s = tz_alloc(ctx, &p, 2 * room, sizeof *p);
     if (s == TZ_OK)
@@ -174,27 +215,19 @@ static tz_status measure_turns(tz_ctx *ctx, const tz_element_set *set,
         p[2 * (ptrdiff_t)n] = (float)at.x, p[2 * (ptrdiff_t)n + 1] = (float)at.y;
         const tz_element_field_cell *c =
             field ? tz_element_field_at(field, (tz_vec3){at.x, at.y, 0}) : NULL;
-        if (c && (c->x != 0 || c->y != 0))
-            align += turn_between(angle[n], atan2((double)c->y, (double)c->x)), said++;
+        if (c && (c->x != 0 || c->y != 0)) {
+            const double a = turn_between(angle[n], atan2((double)c->y, (double)c->x));
+            align += a, said++;
+            r->align_most = fmax(r->align_most, a);
+        }
         n++;
     }
-    if (s == TZ_OK && n > 0)
-        s = tz_kdtree_init(ctx, &tree, p, n, 2);
-    for (int32_t i = 0; i < n && s == TZ_OK; i++) {
-        int32_t id[NEAR + 1];
-        float d2[NEAR + 1];
-        const int32_t k =
-            tz_kdtree_nearest(&tree, &p[2 * (ptrdiff_t)i], NEAR + 1, id, d2);
-        for (int32_t j = 0; j < k; j++)
-            if (id[j] != i)
-                turn += turn_between(angle[i], angle[id[j]]), pairs++;
-    }
-    tz_kdtree_deinit(&tree);
+    r->align = said > 0 ? align / said : 0;
+    if (s == TZ_OK)
+        s = measure_neighbours(ctx, p, angle, n, r);
     tz_extents_deinit(&extents);
     tz_free(ctx, p);
     tz_free(ctx, angle);
-    r->align = said > 0 ? align / said : 0;
-    r->turn = pairs > 0 ? turn / pairs : 0;
     return s;
 }
 
