@@ -71,6 +71,18 @@ static inline double tz_domain_frame(const tz_domain *d, tz_vec3 p)
     return d->frames ? tz_frames_angle(d->frames, p) : 0;
 }
 
+/** How large things are here against the exemplar's, > 0. */
+static inline double tz_domain_scale(const tz_domain *d, tz_vec3 p)
+{
+    return d->frames ? tz_frames_size(d->frames, p) : 1;
+}
+
+/** By which factor they lie farther apart here than in the exemplar, > 0. */
+static inline double tz_domain_apart(const tz_domain *d, tz_vec3 p)
+{
+    return d->frames ? tz_frames_apart(d->frames, p) : 1;
+}
+
 /** Whether the zones let a kind lie here. */
 static inline bool tz_domain_allows(const tz_domain *d, tz_vec3 p, int32_t kind)
 {

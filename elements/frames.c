@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Directions over a domain. Strokes say them at the cells they pass; elsewhere they are
- * the membrane through these, each component by itself:
+/* Directions, sizes and densities over a domain. Strokes and images say them in some
+ * cells; elsewhere they are the membrane through these, each component by itself, sizes by
+ * their logarithms:
  *
- *   min  sum over neighbouring cells |u - u'|^2  +  sum over known cells  K |u - known|^2
+ *   min  sum over neighbouring cells |u - u'|^2  +  sum over cells that say  K |u - said|^2
  *
- * then brought to length 1. Signs count: a stroke points where it goes. Where directions
- * meet that cancel each other, a singularity stays, as it must (a whirl has one). */
+ * Directions are then brought to length 1. Signs count: a stroke points where it goes.
+ * Where directions meet that cancel each other, a singularity stays, as it must (a whirl
+ * has one).
+ *
+ * K holds what is said with the largest weight W. What is said with less, w, is to have
+ * the share w / W of the say at its place. Between heavy strokes a quarter of the domain
+ * away on either side, L cells, the membrane pulls with 2 / L, so that
+ *
+ *   K / (K + 2 / L) = w / W    gives    K = (2 / L) (w / W) / (1 - w / W) */
 #include "elements/frames.h"
 
 #include "base/lsq.h"
+#include "elements/field.h"
 #include "elements/formula.h"
 #include "elements/guide.h"
 
@@ -16,7 +25,7 @@ enum {
     SIDE = 512,       /* cells along the longer side where all is known */
     SIDE_SOLVED = 256 /* where it is solved for */
 };
-#define KNOWN 30.0 /* square root of K: 1e-3 of what a neighbour says is left */
+#define FIRM 900.0 /* K of the heaviest: 1e-3 of what a neighbour says is left */
 
 void tz_frames_free(tz_frames *f)
 {
@@ -25,10 +34,12 @@ void tz_frames_free(tz_frames *f)
     tz_ctx *ctx = f->ctx;
     tz_free(ctx, f->x);
     tz_free(ctx, f->y);
+    tz_free(ctx, f->size);
+    tz_free(ctx, f->apart);
     tz_free(ctx, f);
 }
 
-/* All vectors 0: not known. */
+/* All frames as the exemplar's. */
 static tz_status make(tz_ctx *ctx, tz_raster raster, tz_frames **out)
 {
     tz_frames *f = NULL;
@@ -36,45 +47,16 @@ static tz_status make(tz_ctx *ctx, tz_raster raster, tz_frames **out)
     tz_status s = tz_alloc_zero(ctx, &f, 1, sizeof *f);
     if (s != TZ_OK)
         return s;
-    f->raster = raster;
-    f->ctx = ctx;
-    s = tz_alloc_zero(ctx, &f->x, n, sizeof *f->x);
+    *f = (tz_frames){.raster = raster, .apart_least = 1, .apart_most = 1, .ctx = ctx};
+    s = tz_alloc(ctx, &f->x, n, sizeof *f->x);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &f->y, n, sizeof *f->y);
+    for (size_t i = 0; i < n && s == TZ_OK; i++)
+        f->x[i] = 1;
     if (s != TZ_OK)
         tz_frames_free(f);
     else
         *out = f;
-    return s;
-}
-
-/* ---- spreading ------------------------------------------------------------------- */
-
-static bool known(const tz_frames *f, int32_t i) { return f->x[i] != 0 || f->y[i] != 0; }
-
-static tz_status tie(tz_lsq *l, int32_t i, int32_t j)
-{
-    const int32_t index[2] = {i, j};
-    const double c[2] = {1, -1}, none[2] = {0, 0};
-    return i == j ? TZ_OK : tz_lsq_add(l, 2, index, c, none, 1);
-}
-
-static tz_status add_equations(tz_lsq *l, const tz_frames *f)
-{
-    const tz_raster *r = &f->raster;
-    tz_status s = TZ_OK;
-    for (int32_t j = 0; j < r->height; j++)
-        for (int32_t i = 0; i < r->width && s == TZ_OK; i++) {
-            const int32_t at = j * r->width + i;
-            if (i + 1 < r->width || r->torus)
-                s = tie(l, at, j * r->width + (i + 1) % r->width);
-            if (s == TZ_OK && (j + 1 < r->height || r->torus))
-                s = tie(l, at, (j + 1) % r->height * r->width + i);
-            if (s == TZ_OK && known(f, at)) {
-                const double one = 1, to[2] = {(double)f->x[at], (double)f->y[at]};
-                s = tz_lsq_add(l, 1, &at, &one, to, KNOWN);
-            }
-        }
     return s;
 }
 
@@ -85,23 +67,174 @@ static void set_unit(tz_frames *f, int32_t i, double x, double y)
     f->y[i] = l > 0 ? (float)(y / l) : 0;
 }
 
-static tz_status spread(tz_frames *f)
+/* ---- what a field says, cell by cell ------------------------------------------------- */
+
+/* One of the field's sayings, on a raster that may be coarser. */
+typedef struct saying {
+    int what, parts; /* of the field's three; numbers a cell */
+    tz_raster raster;
+    double *v;      /* parts * cells, part after part; after carry() everywhere */
+    double *weight; /* 0 = nothing is said */
+    double heaviest;
+    bool all;
+} saying;
+
+static void value_of(const tz_element_field_cell *c, int what, double v[2])
 {
-    const int32_t n = f->raster.width * f->raster.height;
+    v[1] = 0;
+    if (what == 0) {
+        v[0] = (double)c->x, v[1] = (double)c->y;
+    } else if (what == 1) {
+        v[0] =
+            log(fmin(fmax((double)c->size, TZ_FRAMES_LEAST_SIZE), TZ_FRAMES_MOST_SIZE));
+    } else {
+        v[0] = (double)c->density;
+    }
+}
+
+/* Sums become means; strokes that cancel each other say nothing. */
+static void settle(saying *q, double *weights)
+{
+    const int32_t n = q->raster.width * q->raster.height;
+    q->all = true;
+    q->heaviest = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const double w = weights[i];
+        double *x = &q->v[i], *y = q->parts > 1 ? &q->v[n + i] : NULL;
+        if (w > 0)
+            *x /= w;
+        if (w > 0 && y) {
+            *y /= w;
+            const double l = hypot(*x, *y);
+            if (l < 1e-3)
+                *x = *y = q->weight[i] = 0;
+            else
+                *x /= l, *y /= l;
+        }
+        q->all = q->all && q->weight[i] > 0;
+        q->heaviest = fmax(q->heaviest, q->weight[i]);
+    }
+}
+
+/* Means over the cells of a raster, each with the largest weight that is said in it. */
+static tz_status listen(const tz_element_field *f, saying *q)
+{
+    const tz_raster *from = &f->raster, *to = &q->raster;
+    const size_t n = (size_t)to->width * (size_t)to->height;
+    double *weights = NULL;
+    tz_status s = tz_alloc_zero(f->ctx, &q->v, n * (size_t)q->parts, sizeof *q->v);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(f->ctx, &q->weight, n, sizeof *q->weight);
+    if (s == TZ_OK)
+        s = tz_alloc_zero(f->ctx, &weights, n, sizeof *weights);
+    for (int32_t j = 0; j < from->height && s == TZ_OK; j++)
+        for (int32_t i = 0; i < from->width; i++) {
+            const tz_element_field_cell *c = &f->cell[(int64_t)j * from->width + i];
+            const int64_t at = (int64_t)j * to->height / from->height * to->width +
+                               (int64_t)i * to->width / from->width;
+            const double w = (double)c->weight[q->what];
+            double v[2];
+            if (!(w > 0))
+                continue;
+            value_of(c, q->what, v);
+            q->v[at] += w * v[0];
+            if (q->parts > 1)
+                q->v[(int64_t)n + at] += w * v[1];
+            weights[at] += w;
+            q->weight[at] = fmax(q->weight[at], w);
+        }
+    if (s == TZ_OK)
+        settle(q, weights);
+    tz_free(f->ctx, weights);
+    return s;
+}
+
+static void forget(tz_ctx *ctx, saying *q)
+{
+    tz_free(ctx, q->v);
+    tz_free(ctx, q->weight);
+}
+
+/* ---- carrying it over the domain ----------------------------------------------------- */
+
+static tz_status tie(tz_lsq *l, int32_t i, int32_t j)
+{
+    const int32_t index[2] = {i, j};
+    const double c[2] = {1, -1}, none[2] = {0, 0};
+    return i == j ? TZ_OK : tz_lsq_add(l, 2, index, c, none, 1);
+}
+
+/* Square root of K. */
+static double hold(const saying *q, int32_t at)
+{
+    const double share = q->weight[at] / q->heaviest;
+    const int32_t side =
+        q->raster.width > q->raster.height ? q->raster.width : q->raster.height;
+    return sqrt(share < 1 ? fmin(FIRM, 8.0 / side * share / (1 - share)) : FIRM);
+}
+
+static tz_status add_equations(tz_lsq *l, const saying *q)
+{
+    const tz_raster *r = &q->raster;
+    const int32_t n = r->width * r->height;
+    tz_status s = TZ_OK;
+    for (int32_t j = 0; j < r->height; j++)
+        for (int32_t i = 0; i < r->width && s == TZ_OK; i++) {
+            const int32_t at = j * r->width + i;
+            if (i + 1 < r->width || r->torus)
+                s = tie(l, at, j * r->width + (i + 1) % r->width);
+            if (s == TZ_OK && (j + 1 < r->height || r->torus))
+                s = tie(l, at, (j + 1) % r->height * r->width + i);
+            if (s == TZ_OK && q->weight[at] > 0) {
+                const double one = 1, to[2] = {q->v[at], q->parts > 1 ? q->v[n + at] : 0};
+                s = tz_lsq_add(l, 1, &at, &one, to, hold(q, at));
+            }
+        }
+    return s;
+}
+
+static tz_status carry(tz_ctx *ctx, saying *q)
+{
+    const int32_t n = q->raster.width * q->raster.height;
     tz_lsq *l = NULL;
     double *u = NULL;
-    tz_status s = tz_alloc(f->ctx, &u, (size_t)n * 2, sizeof *u);
+    tz_status s = tz_alloc(ctx, &u, (size_t)n * (size_t)q->parts, sizeof *u);
     if (s == TZ_OK)
-        s = tz_lsq_new(f->ctx, n, 2, &l);
+        s = tz_lsq_new(ctx, n, q->parts, &l);
     if (s == TZ_OK)
-        s = add_equations(l, f);
+        s = add_equations(l, q);
     if (s == TZ_OK)
         s = tz_lsq_solve(l, u);
-    for (int32_t i = 0; i < n && s == TZ_OK; i++)
-        set_unit(f, i, u[i], u[n + i]);
     tz_lsq_free(l);
-    tz_free(f->ctx, u);
+    if (s == TZ_OK) {
+        tz_free(ctx, q->v);
+        q->v = u;
+    } else {
+        tz_free(ctx, u);
+    }
     return s;
+}
+
+/* The raster that is solved on. */
+static tz_raster coarser(tz_raster r)
+{
+    const int32_t side = r.width > r.height ? r.width : r.height;
+    const int32_t k = (side + SIDE_SOLVED - 1) / SIDE_SOLVED;
+    r.width = (r.width + k - 1) / k, r.height = (r.height + k - 1) / k;
+    return r;
+}
+
+/* What is said, everywhere; q->heaviest is 0 where nothing is. */
+static tz_status complete(const tz_element_field *f, saying *q)
+{
+    q->raster = f->raster;
+    tz_status s = listen(f, q);
+    if (s != TZ_OK || q->all || !(q->heaviest > 0))
+        return s;
+    forget(f->ctx, q);
+    *q = (saying){.what = q->what, .parts = q->parts, .raster = coarser(f->raster)};
+    s = listen(f, q);
+    return s == TZ_OK && q->heaviest > 0 ? carry(f->ctx, q) : s;
 }
 
 /* ---- formulas -------------------------------------------------------------------- */
@@ -118,6 +251,8 @@ tz_status tz_frames_from_formula(tz_ctx *ctx, const char *formula, tz_vec3 size,
         s = tz_formula_parse(ctx, formula, &formula_of);
     if (s == TZ_OK)
         s = make(ctx, r, &f);
+    if (s == TZ_OK)
+        f->turned = true;
     for (int32_t i = 0; s == TZ_OK && i < r.width * r.height; i++) {
         const double x = (i % r.width + 0.5) / r.width * size.x;
         const double y = (i / r.width + 0.5) / r.height * size.y;
@@ -139,159 +274,122 @@ tz_status tz_frames_from_formula(tz_ctx *ctx, const char *formula, tz_vec3 size,
     return s;
 }
 
-/* ---- strokes --------------------------------------------------------------------- */
+/* ---- fields -------------------------------------------------------------------------- */
 
-/* Half a cell at a time, so that no cell on the way is missed. */
-static void draw_segment(tz_frames *f, tz_vec2 p, tz_vec2 q)
+static tz_status check_sizes(const tz_element_field *f)
 {
-    const tz_raster *r = &f->raster;
-    const double cell = r->size.x / r->width;
-    const tz_vec2 v = tz_vec2_sub(q, p);
-    const double l = tz_vec2_length(v);
-    const double steps = fmin(ceil(2 * l / cell), 4.0 * (r->width + r->height));
-    if (!(l > 0))
-        return;
-    for (int32_t k = 0; k <= (int32_t)steps; k++) {
-        const double t = k / fmax(steps, 1);
-        const tz_vec3 at = {p.x + t * v.x, p.y + t * v.y, 0};
-        if (!r->torus && (at.x < 0 || at.y < 0 || at.x >= r->size.x || at.y >= r->size.y))
-            continue;
-        const int64_t i = tz_raster_at(r, at);
-        f->x[i] += (float)(v.x / l);
-        f->y[i] += (float)(v.y / l);
+    for (int32_t i = 0; i < f->point.n; i++) {
+        const double size = f->point.v[i].size;
+        if (size != 0 && !(size >= TZ_FRAMES_LEAST_SIZE && size <= TZ_FRAMES_MOST_SIZE))
+            return tz_fail(f->ctx, TZ_INVALID,
+                           "a stroke says size %g; arrangements follow sizes from %g to "
+                           "%g",
+                           size, TZ_FRAMES_LEAST_SIZE, TZ_FRAMES_MOST_SIZE);
     }
+    return TZ_OK;
 }
 
-static tz_status draw_strokes(tz_frames *f, const tz_element_reader *r)
+/* Value of a saying of one part at the middle of cell i of a raster. */
+static double said_at(const saying *q, const tz_raster *r, int32_t i)
 {
-    tz_polys lines = {0};
-    tz_status s = TZ_OK;
-    for (int32_t i = 0; i < r->part.n && s == TZ_OK; i++) {
-        const tz_part *p = &r->part.v[i];
-        s = tz_polys_add_path(f->ctx, &lines, r->verb.v + p->verb, p->verbs,
-                              r->point.v + p->point, tz_affine_identity(),
-                              0.1 * f->raster.size.x / f->raster.width);
+    const tz_raster *g = &q->raster;
+    const double x = (i % r->width + 0.5) / r->width * g->width - 0.5,
+                 y = ((double)(i / r->width) + 0.5) / r->height * g->height - 0.5;
+    const int32_t c = (int32_t)floor(x), k = (int32_t)floor(y);
+    double v[2];
+    for (int b = 0; b < 2; b++) {
+        const double *row =
+            q->v + (int64_t)tz_raster_index(k + b, g->height, g->torus) * g->width;
+        const double t = x - c;
+        v[b] = (1 - t) * row[tz_raster_index(c, g->width, g->torus)] +
+               t * row[tz_raster_index(c + 1, g->width, g->torus)];
     }
-    for (int32_t k = 0; k < lines.part.n && s == TZ_OK; k++) {
-        int32_t n;
-        const tz_vec2 *v = tz_polys_part(&lines, k, &n);
-        for (int32_t i = 0; i + !lines.closed.v[k] < n; i++)
-            draw_segment(f, v[i], v[(i + 1) % n]);
-    }
-    tz_polys_deinit(f->ctx, &lines);
-    return s;
+    return v[0] + (y - k) * (v[1] - v[0]);
 }
 
-/* Sums become units; true if something is known. */
-static bool make_units(tz_frames *f, bool *all)
+/* @param q  sizes and densities, complete */
+static tz_status set_sizes(tz_frames *f, const saying q[2])
 {
     const int32_t n = f->raster.width * f->raster.height;
-    int32_t count = 0;
-    for (int32_t i = 0; i < n; i++) {
-        if (hypot((double)f->x[i], (double)f->y[i]) < 1e-3)
-            f->x[i] = f->y[i] = 0; /* strokes that cancel each other say nothing */
-        if (!known(f, i))
-            continue;
-        count++;
-        set_unit(f, i, (double)f->x[i], (double)f->y[i]);
+    float *size = NULL, *apart = NULL;
+    const bool sized = q[0].heaviest > 0, thinned = q[1].heaviest > 0;
+    if (!sized && !thinned)
+        return TZ_OK;
+    tz_status s = sized ? tz_alloc(f->ctx, &size, (size_t)n, sizeof *size) : TZ_OK;
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &apart, (size_t)n, sizeof *apart);
+    if (s != TZ_OK) {
+        tz_free(f->ctx, size);
+        return s;
     }
-    *all = count == n;
-    return count > 0;
+    f->apart_least = HUGE_VAL, f->apart_most = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const double c = sized ? exp(said_at(&q[0], &f->raster, i)) : 1;
+        const double d = thinned ? said_at(&q[1], &f->raster, i) : 1;
+        const double a = c / sqrt(fmin(fmax(d, TZ_FRAMES_LEAST_DENSITY), 1));
+        if (sized)
+            size[i] = (float)c;
+        apart[i] = (float)a;
+        f->apart_least = fmin(f->apart_least, a);
+        f->apart_most = fmax(f->apart_most, a);
+    }
+    tz_free(f->ctx, f->size);
+    tz_free(f->ctx, f->apart);
+    f->size = size, f->apart = apart;
+    f->thinned = thinned;
+    return TZ_OK;
 }
 
-static tz_status read_strokes(tz_ctx *ctx, const char *path, tz_raster raster,
-                              tz_frames **out)
+tz_status tz_frames_add_sizes(tz_frames *f, const tz_element_field *field)
 {
-    tz_element_reader r;
-    tz_status s = tz_guide_read_svg(ctx, path, raster.size, &r);
-    bool all;
+    saying q[2] = {{.what = 1, .parts = 1}, {.what = 2, .parts = 1}};
+    tz_status s = check_sizes(field);
+    for (int k = 0; k < 2 && s == TZ_OK; k++)
+        s = complete(field, &q[k]);
     if (s == TZ_OK)
-        s = make(ctx, raster, out);
-    if (s == TZ_OK)
-        s = draw_strokes(*out, &r);
-    if (s == TZ_OK && !make_units(*out, &all))
-        s = tz_fail(
-            ctx, TZ_INVALID,
-            "%s: there are no strokes in view; draw some that directions follow%s", path,
-            tz_guide_hint(&r));
-    if (s == TZ_OK)
-        s = spread(*out);
-    tz_element_reader_deinit(&r);
+        s = set_sizes(f, q);
+    for (int k = 0; k < 2; k++)
+        forget(field->ctx, &q[k]);
     return s;
 }
 
-/* ---- pictures -------------------------------------------------------------------- */
-
-/* What one pixel says; 0, 0 = nothing. */
-static tz_vec2 vector_of(const tz_image *im, const float *p)
+tz_status tz_frames_from_field(const tz_element_field *field, tz_frames **out)
 {
-    const double blind = 0.02; /* nearer to 0 than an 8-bit picture can say */
-    if (im->alpha >= 0 && p[im->alpha] < 0.5f)
-        return (tz_vec2){0, 0};
-    if (im->channels - (im->alpha >= 0) < 2) {
-        const double angle = 2 * TZ_PI * (double)p[0];
-        return (tz_vec2){cos(angle), sin(angle)};
+    saying q = {.what = 0, .parts = 2};
+    tz_frames *f = NULL;
+    *out = NULL;
+    tz_status s = complete(field, &q);
+    if (s == TZ_OK)
+        s = make(field->ctx, q.raster, &f);
+    const int32_t n = q.raster.width * q.raster.height;
+    if (s == TZ_OK && q.heaviest > 0) {
+        f->turned = true;
+        for (int32_t i = 0; i < n; i++)
+            set_unit(f, i, q.v[i], q.v[n + i]);
     }
-    const tz_vec2 v = {(double)p[0] - 0.5, (double)p[1] - 0.5};
-    return tz_vec2_length(v) < blind ? (tz_vec2){0, 0} : v;
-}
-
-/* Means of what pixels say over each cell: angles cannot be averaged as numbers. */
-static void add_pixels(tz_frames *f, const tz_image *im)
-{
-    const tz_raster *r = &f->raster;
-    for (int32_t y = 0; y < im->height; y++)
-        for (int32_t x = 0; x < im->width; x++) {
-            const tz_vec2 v = vector_of(im, tz_image_at(im, x, y));
-            const int32_t i = (int32_t)((int64_t)x * r->width / im->width);
-            const int32_t j = (int32_t)((int64_t)y * r->height / im->height);
-            f->x[(int64_t)j * r->width + i] += (float)v.x;
-            f->y[(int64_t)j * r->width + i] += (float)v.y;
-        }
-}
-
-static tz_status read_picture(tz_ctx *ctx, const char *path, tz_raster raster,
-                              tz_frames **out)
-{
-    tz_image im;
-    bool all = false;
-    tz_status s = tz_guide_read_image(ctx, path, 16384, true, &im);
-    for (int32_t side = SIDE; s == TZ_OK && !all; side = SIDE_SOLVED) {
-        tz_raster r = raster;
-        r.width = im.width < side ? im.width : side;
-        r.height = im.height < side ? im.height : side;
-        tz_frames_free(*out);
-        *out = NULL;
-        s = make(ctx, r, out);
-        if (s == TZ_OK)
-            add_pixels(*out, &im);
-        if (s == TZ_OK && !make_units(*out, &all))
-            s = tz_fail(ctx, TZ_INVALID,
-                        "%s: it says no direction; red and green are to be x and y, 0.5 "
-                        "is 0",
-                        path);
-        if (side == SIDE_SOLVED)
-            break;
-    }
-    if (s == TZ_OK && !all)
-        s = spread(*out);
-    tz_image_deinit(&im);
+    if (s == TZ_OK)
+        s = tz_frames_add_sizes(f, field);
+    if (s == TZ_OK && !f->turned && !f->apart)
+        s = tz_fail(
+            field->ctx, TZ_INVALID,
+            "strokes and images say nothing in view; draw strokes that directions "
+            "follow, or that say sizes or densities");
+    forget(field->ctx, &q);
+    if (s != TZ_OK)
+        tz_frames_free(f);
+    else
+        *out = f;
     return s;
 }
 
 tz_status tz_frames_read(tz_ctx *ctx, const char *path, tz_vec3 size, bool torus,
                          tz_frames **out)
 {
-    tz_raster r = {0};
-    tz_frames *f = NULL;
+    tz_element_field field;
     *out = NULL;
-    tz_status s = tz_guide_raster(ctx, size, torus, SIDE_SOLVED, &r);
+    tz_status s = tz_element_field_read(ctx, path, size, torus, &field);
     if (s == TZ_OK)
-        s = tz_guide_is_svg(path) ? read_strokes(ctx, path, r, &f)
-                                  : read_picture(ctx, path, r, &f);
-    if (s != TZ_OK)
-        tz_frames_free(f);
-    else
-        *out = f;
+        s = tz_frames_from_field(&field, out);
+    tz_element_field_deinit(&field);
     return s;
 }
