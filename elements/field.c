@@ -157,11 +157,18 @@ tz_status tz_element_field_place(tz_element_field *f, const tz_element_field *pr
 
 /* ---- cells -------------------------------------------------------------------------- */
 
+/* A piece of a stroke: its ends, and which way the stroke points there. */
+typedef struct piece {
+    tz_element_field_point a, b;
+    tz_vec2 from, to;
+} piece;
+
 static void say(tz_element_field_cell *c, const tz_element_field_stroke *s,
-                const tz_element_field_point *a, const tz_element_field_point *b,
-                double t)
+                const piece *q, double t)
 {
-    const tz_vec2 d = tz_vec2_sub(b->at, a->at);
+    const tz_element_field_point *a = &q->a, *b = &q->b;
+    const tz_vec2 d = {q->from.x + t * (q->to.x - q->from.x),
+                       q->from.y + t * (q->to.y - q->from.y)};
     const double l = tz_vec2_length(d);
     const float w = fmaxf((float)s->weight, FLT_MIN);
     if (s->directed && l > 0)
@@ -181,11 +188,11 @@ typedef struct claim {
 
 /* Cells under a piece of a stroke. Of a stroke's own pieces the nearest one speaks; a later
  * stroke overrules. */
-static void draw_piece(tz_element_field *f, claim *claims, int32_t stroke,
-                       const tz_element_field_point *a, const tz_element_field_point *b)
+static void draw_piece(tz_element_field *f, claim *claims, int32_t stroke, const piece *q)
 {
     const tz_raster *r = &f->raster;
     const tz_element_field_stroke *s = &f->stroke.v[stroke];
+    const tz_element_field_point *a = &q->a, *b = &q->b;
     const double cx = r->size.x / r->width, cy = r->size.y / r->height;
     const double reach = fmax(s->radius, 0.75 * fmax(cx, cy));
     const double x[2] = {fmin(a->at.x, b->at.x) - reach, fmax(a->at.x, b->at.x) + reach};
@@ -206,32 +213,79 @@ static void draw_piece(tz_element_field *f, claim *claims, int32_t stroke,
             if (d > reach || (claims[k].stroke == stroke && claims[k].distance <= d))
                 continue;
             claims[k] = (claim){(float)d, stroke};
-            say(&f->cell[k], s, a, b, t);
+            say(&f->cell[k], s, q, t);
         }
 }
 
 /* A long piece in parts, or its box would hold far more cells than it passes. */
-static void draw_parts(tz_element_field *f, claim *claims, int32_t stroke,
-                       const tz_element_field_point *a, const tz_element_field_point *b)
+static void draw_parts(tz_element_field *f, claim *claims, int32_t stroke, const piece *q)
 {
     const tz_raster *r = &f->raster;
+    const tz_element_field_point *a = &q->a, *b = &q->b;
     const double cell = fmax(r->size.x / r->width, r->size.y / r->height);
     const double l = hypot(b->at.x - a->at.x, b->at.y - a->at.y);
     const double step = 4 * fmax(f->stroke.v[stroke].radius, 2 * cell);
     const int32_t parts = (int32_t)fmin(fmax(ceil(l / step), 1), 8192);
     for (int32_t k = 0; k < parts; k++) {
-        tz_element_field_point end[2];
+        piece part;
         for (int e = 0; e < 2; e++) {
             const double t = (double)(k + e) / parts;
-            end[e].at = tz_vec2_add(a->at, tz_vec2_scale(tz_vec2_sub(b->at, a->at), t));
-            end[e].size =
+            tz_element_field_point *end = e ? &part.b : &part.a;
+            end->at = tz_vec2_add(a->at, tz_vec2_scale(tz_vec2_sub(b->at, a->at), t));
+            end->size =
                 a->size > 0 && b->size > 0 ? a->size + t * (b->size - a->size) : 0;
-            end[e].density = a->density >= 0 && b->density >= 0
-                                 ? a->density + t * (b->density - a->density)
-                                 : -1;
+            end->density = a->density >= 0 && b->density >= 0
+                               ? a->density + t * (b->density - a->density)
+                               : -1;
+            *(e ? &part.to : &part.from) =
+                tz_vec2_add(q->from, tz_vec2_scale(tz_vec2_sub(q->to, q->from), t));
         }
-        draw_piece(f, claims, stroke, &end[0], &end[1]);
+        draw_piece(f, claims, stroke, &part);
     }
+}
+
+static tz_vec2 unit_between(tz_vec2 a, tz_vec2 b, double *length)
+{
+    const tz_vec2 d = tz_vec2_sub(b, a);
+    *length = tz_vec2_length(d);
+    return *length > 0 ? tz_vec2_scale(d, 1 / *length) : (tz_vec2){0, 0};
+}
+
+/* Which way a stroke points at the end of one of its pieces where another goes on: pieces
+ * stand for a curve, whose tangent turns through their common end, if an arc that turns as
+ * much would leave neither by a cell. Else there is a corner, and the piece keeps its own. */
+static tz_vec2 tangent_at(const tz_element_field *f, tz_vec2 own, double l, tz_vec2 next,
+                          double m)
+{
+    const double cell = f->raster.size.x / f->raster.width;
+    const double turn =
+        fabs(atan2(own.x * next.y - own.y * next.x, tz_vec2_dot(own, next)));
+    if (!(l > 0) || !(m > 0) || turn > 1 || turn * fmax(l, m) > 8 * cell)
+        return own;
+    /* the arc through both: its turn falls to them by their lengths */
+    tz_vec2 t = tz_vec2_add(tz_vec2_scale(own, m), tz_vec2_scale(next, l));
+    return tz_vec2_scale(t, 1 / tz_vec2_length(t));
+}
+
+/* Piece i of a stroke, with directions at its ends. */
+static piece piece_of(const tz_element_field *f, const tz_element_field_stroke *s,
+                      int32_t i)
+{
+    const tz_element_field_point *p = f->point.v + s->point;
+    const int32_t n = s->points;
+    piece q = {.a = p[i], .b = p[(i + 1) % n]};
+    double l, m;
+    const tz_vec2 own = unit_between(q.a.at, q.b.at, &l);
+    q.from = q.to = own;
+    if (i > 0 || s->closed) {
+        const tz_vec2 last = unit_between(p[(i + n - 1) % n].at, q.a.at, &m);
+        q.from = tangent_at(f, own, l, last, m);
+    }
+    if (i + 2 < n || s->closed) {
+        const tz_vec2 next = unit_between(q.b.at, p[(i + 2) % n].at, &m);
+        q.to = tangent_at(f, own, l, next, m);
+    }
+    return q;
 }
 
 static tz_status draw_strokes(tz_element_field *f)
@@ -245,10 +299,11 @@ static tz_status draw_strokes(tz_element_field *f)
         claims[i] = (claim){0, -1};
     for (int32_t k = 0; k < f->stroke.n && s == TZ_OK; k++) {
         const tz_element_field_stroke *t = &f->stroke.v[k];
-        const tz_element_field_point *p = f->point.v + t->point;
         const int32_t pieces = t->points == 1 ? 1 : t->points - !t->closed;
-        for (int32_t i = 0; i < pieces; i++)
-            draw_parts(f, claims, k, &p[i], &p[(i + 1) % t->points]);
+        for (int32_t i = 0; i < pieces; i++) {
+            const piece q = piece_of(f, t, i);
+            draw_parts(f, claims, k, &q);
+        }
         if (tz_ctx_cancelled(f->ctx))
             s = TZ_CANCELLED;
     }
