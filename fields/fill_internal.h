@@ -52,6 +52,8 @@ typedef struct tz_fill_model {
     double radius[TZ_COVER_DISCS];
     int32_t start[TZ_COVER_DISCS + 1], near[8 * TZ_COVER_DISCS]; /**< graph, both ways */
     double inverse[TZ_COVER_DISCS * TZ_COVER_DISCS]; /**< of 1 + 2 w_g Laplacian */
+    double spread[2]; /**< its radii grow by 1 + rho (spread[0] + rho spread[1]), so that
+                           its area grows by (1 + rho)^2 */
     tz_disc_cover cover;
     tz_vec2 *border; /**< points of the outline, evenly spaced */
     double
@@ -133,6 +135,7 @@ struct tz_fill {
     tz_vec3 *at;
     double *radius; /**< at scale 1, its body's size in it */
     double *c, *rho, *o;
+    double *wide; /**< factor of radii that rho asks for; see tz_fill_set_rho */
     int32_t *owner, *node;
     double unit; /**< mean radius of discs: lengths in energies */
     bool any_density, any_size, any_direction;
@@ -176,7 +179,19 @@ struct tz_fill {
 
 static inline double tz_fill_radius(const tz_fill *f, int32_t s)
 {
-    return f->c[s] * (1 + f->rho[s]) * f->radius[s];
+    return f->c[s] * f->wide[s] * f->radius[s];
+}
+/** The room that a sample takes: [Hsu20] has w_s' = (1 + rho) w_s, by which things of one
+ * disc have (1 + rho)^2 times the area each, but rows of overlapping discs hardly more
+ * than 1 + rho times. Here all of them have the same. */
+static inline double tz_fill_spread(const tz_fill_model *m, double rho)
+{
+    return 1 + rho * (m->spread[0] + rho * m->spread[1]);
+}
+static inline void tz_fill_set_rho(tz_fill *f, int32_t s, double rho)
+{
+    f->rho[s] = rho;
+    f->wide[s] = tz_fill_spread(&f->model.v[f->body.v[f->owner[s]].model], rho);
 }
 /** Vector from a place to another, over the nearest copy. */
 static inline tz_vec3 tz_fill_vector(const tz_fill *f, tz_vec3 p, tz_vec3 q)

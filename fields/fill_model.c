@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Models of the palette's things, and bodies: their discs in the world. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "fields/fill_internal.h"
@@ -147,6 +148,47 @@ static void grow_discs(tz_fill_model *m)
             m->radius[i] += fmin(off[i] / n[i], most * m->radius[i]);
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
+}
+
+/* By which factor radii grow for the union of the discs to have (1 + rho)^2 times its
+ * area, as a polynomial through rho = 0, 1/2 and 1. Of a grid of places about them each
+ * has a factor from which on it is covered: in rising order these are the area's inverse. */
+static tz_status take_spread(tz_ctx *ctx, tz_fill_model *m)
+{
+    enum { GRID = 96 };
+    const double most = 4; /* of an endless row */
+    double lo[2] = {HUGE_VAL, HUGE_VAL}, hi[2] = {-HUGE_VAL, -HUGE_VAL}, *at = NULL;
+    int32_t inside = 0, n = 0;
+    m->spread[0] = 1, m->spread[1] = 0;
+    if (m->n < 2)
+        return TZ_OK;
+    for (int32_t k = 0; k < m->n; k++) {
+        const double p[2] = {m->rest[k].x, m->rest[k].y}, r = most * m->radius[k];
+        for (int a = 0; a < 2; a++)
+            lo[a] = fmin(lo[a], p[a] - r), hi[a] = fmax(hi[a], p[a] + r);
+    }
+    const tz_status s = tz_alloc(ctx, &at, GRID * GRID, sizeof *at);
+    for (; n < GRID * GRID && s == TZ_OK; n++) {
+        const double x = lo[0] + (n % GRID + 0.5) / GRID * (hi[0] - lo[0]);
+        const double y = lo[1] + (n / GRID + 0.5) / GRID * (hi[1] - lo[1]);
+        at[n] = HUGE_VAL;
+        for (int32_t k = 0; k < m->n; k++)
+            at[n] = fmin(at[n], hypot(x - m->rest[k].x, y - m->rest[k].y) / m->radius[k]);
+        inside += at[n] <= 1;
+    }
+    if (s == TZ_OK && 4 * inside < n && inside > 0) {
+        qsort(at, (size_t)n, sizeof *at, by_value);
+        const double half = at[(int32_t)(2.25 * inside)] - 1, all = at[4 * inside] - 1;
+        m->spread[0] = 4 * half - all, m->spread[1] = 2 * all - 4 * half;
+    }
+    tz_free(ctx, at);
+    return s;
+}
+
 /* Discs, graph and border of a symbol turned and scaled. */
 static tz_status make_shape(tz_ctx *ctx, const tz_element_symbol *y, int32_t discs,
                             tz_fill_model *m)
@@ -204,6 +246,9 @@ static tz_status add_model(tz_fill *f, const tz_element_set *set, tz_fill_model 
     tz_status s = make_shape(f->ctx, &set->symbol.v[m.symbol], f->par.discs, &m);
     if (s == TZ_OK && m.element >= 0)
         s = take_samples(f->ctx, set, &m);
+    m.spread[0] = 1;
+    if (s == TZ_OK && f->any_density)
+        s = take_spread(f->ctx, &m);
     if (s == TZ_OK)
         s = tz_array_push(f->ctx, &f->model, m);
     if (s != TZ_OK)
@@ -332,6 +377,7 @@ tz_status tz_fill_reserve(tz_fill *f, int32_t samples)
     GROW(radius, 1)
     GROW(c, 1)
     GROW(rho, 1)
+    GROW(wide, 1)
     GROW(o, m)
     GROW(owner, 1)
     GROW(node, 1)
@@ -409,7 +455,7 @@ tz_status tz_fill_add_body(tz_fill *f, int32_t model, tz_vec3 at, double angle, 
     for (int32_t k = 0; k < m->n; k++) {
         const int32_t i = f->n + k;
         f->radius[i] = m->radius[k] * size;
-        f->rho[i] = 0;
+        f->rho[i] = 0, f->wide[i] = 1;
         f->confident[i] = f->prior[i] = 0;
         f->owner[i] = *out;
         f->node[i] = m->rigidity >= TZ_FILL_RIGID ? f->n : i;

@@ -73,6 +73,7 @@ tz_status tz_fill_pack(tz_fill *f, bool sort)
     permute(f, o, n, f->radius, sizeof *f->radius, room);
     permute(f, o, n, f->c, sizeof *f->c, room);
     permute(f, o, n, f->rho, sizeof *f->rho, room);
+    permute(f, o, n, f->wide, sizeof *f->wide, room);
     permute(f, o, n, f->o, (size_t)f->m * sizeof *f->o, room);
     permute(f, o, n, f->third, sizeof *f->third, room);
     permute(f, o, n, f->pressure, sizeof *f->pressure, room);

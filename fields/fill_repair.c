@@ -715,7 +715,7 @@ static tz_status try_one(repair *r, int32_t entry, double size, const tz_fill_ga
         return s;
     r->pose[i].border = r->softs;
     for (int32_t k = n; k < f->n; k++)
-        f->third[k] = 0, f->rho[k] = f->rho[g->sample];
+        f->third[k] = 0, tz_fill_set_rho(f, k, f->rho[g->sample]);
     if (settle_one(r, i, near, about)) {
         *came = true;
         f->inserted++;
@@ -751,7 +751,8 @@ static tz_status fill_gap(repair *r, const tz_fill_gap *g, const tz_power_cells 
          k < f->entries && tried < ENTRIES && !came && s == TZ_OK; k++) {
         const int32_t entry = (from + k) % f->entries;
         const tz_fill_model *m = &f->model.v[entry];
-        const double hold = 1.4 * g->radius / (m->radius[0] * scale);
+        const double wide = tz_fill_spread(m, f->rho[g->sample]);
+        const double hold = 1.4 * g->radius / (m->radius[0] * scale * wide);
         if (!(m->share > 0) || hold < m->size[0])
             continue;
         tried++;

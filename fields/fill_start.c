@@ -98,7 +98,7 @@ static tz_status add_drawn(tz_fill *f, const draw *d, tz_vec3 at, int32_t like,
         const double w = m->radius[k] * m->radius[k];
         mean.x += w * f->at[b->first + k].x, mean.y += w * f->at[b->first + k].y;
         total += w;
-        f->rho[b->first + k] = rho;
+        tz_fill_set_rho(f, b->first + k, rho);
         f->third[b->first + k] = 0;
     }
     for (int32_t k = 0; k < b->n; k++) {
@@ -321,7 +321,7 @@ tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
         if (obstacle)
             s = keep_obstacle(f, layout, e);
         for (int32_t k = f->body.v[body].first; k < f->n; k++) {
-            f->rho[k] = tz_fill_rho(f, f->at[k]);
+            tz_fill_set_rho(f, k, tz_fill_rho(f, f->at[k]));
             f->third[k] = 0;
         }
     }

@@ -314,6 +314,14 @@ static void spread_scalar(void *arg, int32_t from, int32_t to, double sums[4])
     }
 }
 
+static void widen(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    tz_fill *f = arg;
+    (void)sums;
+    for (int32_t j = from; j < to; j++)
+        tz_fill_set_rho(f, f->live_sample.v[j], f->rho[f->live_sample.v[j]]);
+}
+
 static tz_status scalar_step(tz_fill *f, double *v, const double *said,
                              const double *target, double before_after[2])
 {
@@ -356,6 +364,8 @@ tz_status tz_fill_scale_step(tz_fill *f, double before_after[2])
         double more[2];
         s = scalar_step(f, f->rho, f->said_rho, f->target_rho, more);
         before_after[0] += more[0], before_after[1] += more[1];
+        if (s == TZ_OK)
+            s = tz_fill_blocks(f->ctx, f->live_sample.n, widen, f, NULL);
     }
     return s;
 }

@@ -99,7 +99,8 @@ static void make(chains *c, int dim, double rigidity)
             const int i = b * DISCS + k;
             f->at[i] =
                 (tz_vec3){at.x + (k - 1) * cos(turn), at.y + (k - 1) * sin(turn), at.z};
-            f->radius[i] = 0.6, f->c[i] = 1, f->rho[i] = 0, f->owner[i] = b;
+            f->radius[i] = 0.6, f->c[i] = f->wide[i] = 1, f->rho[i] = 0;
+            f->owner[i] = b;
             f->node[i] = rigidity >= TZ_FILL_RIGID ? b * DISCS : i;
             f->third[i] = 0;
             double *o = f->o + (ptrdiff_t)i * f->m;
