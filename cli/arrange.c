@@ -110,6 +110,7 @@ static tz_status run_edges(tz_cli *cli)
     tz_record record = {0};
     tz_exemplars e = {0};
     tz_layout l = {0};
+    tz_frames *frames = NULL;
     char *path = NULL;
     tz_status s = tz_exemplars_read(cli, &record, &e);
     if (s == TZ_OK)
@@ -119,7 +120,14 @@ static tz_status run_edges(tz_cli *cli)
     if (s == TZ_OK)
         s = match_sources(cli, &e, &l);
     if (s == TZ_OK)
+        s = tz_guides_paths(cli, &v->guides, &e.input);
+    if (s == TZ_OK)
         s = name_output(cli, v, &e, &path);
+    if (s == TZ_OK)
+        s = tz_guides_frames(cli, &v->guides, &record,
+                             (tz_vec3){v->arrange.size[0], v->arrange.size[1], 0},
+                             v->arrange.tile, &frames);
+    v->arrange.frames = frames;
     if (s == TZ_OK)
         s = tz_exemplars_analyze(cli, &v->analyze, &e);
     double start = tz_seconds();
@@ -139,6 +147,8 @@ static tz_status run_edges(tz_cli *cli)
     tz_figures_seconds(cli, "write", tz_seconds() - start);
     tz_figures_output(cli, path, "layout", l.width, l.height);
 done:
+    v->arrange.frames = NULL;
+    tz_frames_free(frames);
     tz_free(cli->ctx, path);
     tz_layout_deinit(&l);
     tz_exemplars_free(cli, &e);

@@ -9,6 +9,7 @@
 #include "cli/exemplars.h"
 #include "cli/figures.h"
 #include "elements/element_io.h"
+#include "elements/field.h"
 #include "synthesis/expand.h"
 
 #define AT(m) offsetof(tz_medium_params, m)
@@ -32,10 +33,17 @@ static const tz_param guide_rows[] = {
      "Elements, curves: shape to fill, an image (light = inside) or an SVG of closed "
      "paths, stretched over the layout."},
     {"field", TZ_PARAM_STRING, AT(field), 0, 0, "", "FILE|FORMULA", NULL,
-     "Elements, curves: directions that the arrangement turns with: an SVG of strokes, "
+     "Directions, sizes and densities that the arrangement follows: an SVG of strokes, "
      "an "
      "image of vectors, or a formula of the angle in degrees, such as "
      "\"atan2(y-h/2,x-w/2)*180/pi\"."},
+    {"directions", TZ_PARAM_STRING, AT(directions), 0, 0, "", "FILE", NULL,
+     "Image of directions beneath the strokes of --field: red and green are the vector "
+     "(0.5 = 0, green points down), a grey value the angle."},
+    {"sizes", TZ_PARAM_STRING, AT(sizes), 0, 0, "", "FILE", NULL,
+     "Image of sizes beneath the strokes: mid grey is the exemplar's own."},
+    {"densities", TZ_PARAM_STRING, AT(densities), 0, 0, "", "FILE", NULL,
+     "Elements, edges: image of densities beneath the strokes: black is sparse."},
     {"zones", TZ_PARAM_STRING, AT(zones), 0, 0, "", "FILE", NULL,
      "Elements: picture whose flat colours say which classes may lie where, see "
      "--zone-kinds."},
@@ -144,11 +152,67 @@ static bool is_file(const tz_cli *cli, const char *text)
 
 tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs)
 {
-    const char *file[4] = {p->domain, p->field, p->zones, p->brush};
+    const char *file[] = {p->domain, p->directions, p->sizes, p->densities,
+                          p->zones,  p->brush,      p->field};
     tz_status s = TZ_OK;
-    for (int i = 0; i < 4 && s == TZ_OK; i++)
-        if (*file[i] && (i != 1 || is_file(cli, file[i])))
+    for (int i = 0; i < 7 && s == TZ_OK; i++)
+        if (*file[i] && (i != 6 || is_file(cli, file[i])))
             s = tz_paths_add(cli->ctx, inputs, tz_cli_find(cli, file[i]));
+    return s;
+}
+
+/* What images and strokes say, in this order. */
+static tz_status read_field(tz_cli *cli, const tz_guide_params *p, tz_record *record,
+                            tz_element_field *f)
+{
+    const struct {
+        const char *path;
+        tz_element_field_map map;
+    } image[4] = {{p->directions, TZ_ELEMENT_FIELD_DIRECTION},
+                  {p->sizes, TZ_ELEMENT_FIELD_SIZE},
+                  {p->densities, TZ_ELEMENT_FIELD_DENSITY},
+                  {p->field, TZ_ELEMENT_FIELD_DIRECTION}};
+    tz_status s = TZ_OK;
+    for (int i = 0; i < 4 && s == TZ_OK; i++) {
+        const char *path = tz_cli_find(cli, image[i].path);
+        if (!*image[i].path || (i == 3 && !is_file(cli, image[i].path)))
+            continue;
+        s = tz_record_input(cli, record, image[i].path, NULL);
+        if (s == TZ_OK)
+            s = i == 3 && tz_path_is_svg(path)
+                    ? tz_element_field_read_strokes(f, path)
+                    : tz_element_field_read_image(f, path, image[i].map);
+    }
+    return s == TZ_OK ? tz_element_field_settle(f) : s;
+}
+
+tz_status tz_guides_frames(tz_cli *cli, const tz_guide_params *p, tz_record *record,
+                           tz_vec3 size, bool torus, tz_frames **out)
+{
+    const bool formula = *p->field && !is_file(cli, p->field);
+    const bool sized = *p->sizes || *p->densities;
+    const bool files = (*p->field && !formula) || *p->directions || sized;
+    tz_element_field f = {0};
+    *out = NULL;
+    if (formula && *p->directions)
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "--field is a formula, which says all directions; leave out "
+                       "--directions, or the formula");
+    tz_status s = TZ_OK;
+    if (formula)
+        s = tz_frames_from_formula(cli->ctx, p->field, size, torus, out);
+    if (s == TZ_OK && files)
+        s = tz_element_field_init(cli->ctx, size, torus, 0, &f);
+    if (s == TZ_OK && files) {
+        s = read_field(cli, p, record, &f);
+        if (s == TZ_OK)
+            s = formula ? tz_frames_add_sizes(*out, &f) : tz_frames_from_field(&f, out);
+        tz_element_field_deinit(&f);
+    }
+    if (s != TZ_OK) {
+        tz_frames_free(*out);
+        *out = NULL;
+    }
     return s;
 }
 
@@ -195,16 +259,8 @@ tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
             s = tz_region_read(cli->ctx, tz_cli_find(cli, p->domain), d->size, d->torus,
                                &g->region);
     }
-    if (s == TZ_OK && *p->field) {
-        if (is_file(cli, p->field)) {
-            s = tz_record_input(cli, record, p->field, NULL);
-            if (s == TZ_OK)
-                s = tz_frames_read(cli->ctx, tz_cli_find(cli, p->field), d->size,
-                                   d->torus, &g->frames);
-        } else {
-            s = tz_frames_from_formula(cli->ctx, p->field, d->size, d->torus, &g->frames);
-        }
-    }
+    if (s == TZ_OK)
+        s = tz_guides_frames(cli, p, record, d->size, d->torus, &g->frames);
     if (s == TZ_OK && *p->zones) {
         s = tz_record_input(cli, record, p->zones, NULL);
         if (s == TZ_OK)

@@ -31,8 +31,10 @@ extern const tz_param_table tz_medium_param_table;
 /** Table: tz_guide_param_table. */
 typedef struct tz_guide_params {
     char domain[TZ_PARAM_STRING_SIZE], field[TZ_PARAM_STRING_SIZE],
-        zones[TZ_PARAM_STRING_SIZE], zone_kinds[TZ_PARAM_STRING_SIZE],
-        textures[TZ_PARAM_STRING_SIZE], brush[TZ_PARAM_STRING_SIZE];
+        directions[TZ_PARAM_STRING_SIZE], sizes[TZ_PARAM_STRING_SIZE],
+        densities[TZ_PARAM_STRING_SIZE], zones[TZ_PARAM_STRING_SIZE],
+        zone_kinds[TZ_PARAM_STRING_SIZE], textures[TZ_PARAM_STRING_SIZE],
+        brush[TZ_PARAM_STRING_SIZE];
     double brush_radius;
 } tz_guide_params;
 extern const tz_param_table tz_guide_param_table;
@@ -66,6 +68,9 @@ typedef struct tz_guides {
 tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
                          const tz_element_set *kinds, tz_record *record, tz_domain *d,
                          tz_guides *guides);
+/** Frames of --field, --directions, --sizes and --densities; NULL where none is given. */
+tz_status tz_guides_frames(tz_cli *cli, const tz_guide_params *p, tz_record *record,
+                           tz_vec3 size, bool torus, tz_frames **out);
 /** Every guide that is a file, as inputs that must not be overwritten. */
 tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs);
 void tz_guides_free(tz_guides *g);

@@ -41,6 +41,7 @@ typedef struct job {
     tz_exemplars exemplars;
     tz_map_list maps;
     tz_record record;
+    tz_frames *frames;
 } job;
 
 static tz_status name_pictures(tz_cli *cli, void *user, tz_name_values v,
@@ -63,6 +64,8 @@ static tz_status list_inputs(job *j)
     if (s == TZ_OK && *j->v->rules.rules)
         s = tz_paths_add(cli->ctx, &j->exemplars.input,
                          tz_cli_find(cli, j->v->rules.rules));
+    if (s == TZ_OK)
+        s = tz_guides_paths(cli, &j->v->guides, &j->exemplars.input);
     return s;
 }
 
@@ -131,6 +134,11 @@ static tz_status prepare(job *j)
     w.height = v->arrange.size[1];
     if (s == TZ_OK)
         s = tz_expand_plan_make(cli, &w, &j->plan);
+    if (s == TZ_OK)
+        s = tz_guides_frames(cli, &v->guides, &j->record,
+                             (tz_vec3){v->arrange.size[0], v->arrange.size[1], 0},
+                             v->arrange.tile, &j->frames);
+    v->arrange.frames = j->frames;
     if (s == TZ_OK && j->plan.pictures.n)
         s = tz_crop_settle(cli->ctx, v->arrange.size, &v->compose, &crop);
     return s;
@@ -160,6 +168,8 @@ static tz_status run_edges(tz_cli *cli)
     bool layout = j.plan.layouts.n || j.plan.pictures.n;
     for (int32_t i = 0; s == TZ_OK && layout && i < j.plan.seeds.n; i++)
         s = one_seed(&j, i);
+    j.v->arrange.frames = NULL;
+    tz_frames_free(j.frames);
     tz_exemplars_free(cli, &j.exemplars);
     tz_maps_free(cli->ctx, &j.maps);
     tz_record_free(cli, &j.record);

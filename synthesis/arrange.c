@@ -147,6 +147,26 @@ static void warn_of_empty_rules(tz_ctx *ctx, const tz_grower *g)
     }
 }
 
+/* What frames ask of pieces. @param[out] levels  of thinning */
+static tz_status read_frames(tz_ctx *ctx, tz_grower *g, int32_t *levels)
+{
+    const tz_frames *f = g->p.frames;
+    double least = 1, most = 1;
+    *levels = f && f->thinned ? TZ_THIN_LEVELS : 1;
+    for (int64_t i = 0; f && f->size && i < (int64_t)f->raster.width * f->raster.height;
+         i++) {
+        least = fmin(least, (double)f->size[i]);
+        most = fmax(most, (double)f->size[i]);
+    }
+    g->largest = most * pow(2, 0.5 * (*levels - 1));
+    return least >= 0.249 && most <= 4.01
+               ? TZ_OK
+               : tz_fail(ctx, TZ_INVALID,
+                         "arrange: the field says sizes from %.3g to %.3g; edge groups "
+                         "follow sizes from 0.25 to 4",
+                         least, most);
+}
+
 static double piece_size(const tz_exemplar *ex, int32_t n, double wanted)
 {
     if (wanted > 0)
@@ -167,7 +187,10 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     tz_grower g = {.ex = ex, .n = n, .rules = rules, .p = *params};
     tz_rules own = {0};
     tz_layout made = {0};
+    int32_t levels;
     tz_status s = check(ctx, ex, n, l, params);
+    if (s == TZ_OK)
+        s = read_frames(ctx, &g, &levels);
     if (s == TZ_OK && !rules) {
         s = tz_rules_default(ctx, &own);
         g.rules = &own;
@@ -175,7 +198,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     if (s != TZ_OK)
         return s;
     g.piece = piece_size(ex, n, params->piece);
-    s = tz_stars_init(ctx, ex, n, g.rules, g.piece, &g.stars);
+    s = tz_stars_init(ctx, ex, n, g.rules, g.piece, levels, &g.stars);
     if (s == TZ_OK)
         s = tz_alloc_zero(ctx, &g.map, (size_t)n, sizeof *g.map);
     if (s == TZ_OK)
@@ -195,7 +218,8 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     c->nx = (params->size[0] + TZ_CELL - 1) / TZ_CELL;
     c->ny = (params->size[1] + TZ_CELL - 1) / TZ_CELL;
     g.strip = (int32_t)fmax(g.piece / TZ_CELL, 4);
-    g.span = (int32_t)((2.2 * g.piece + 2.2 * g.stars.reach + 16) / TZ_CELL);
+    g.span =
+        (int32_t)((g.largest * (2.2 * g.piece + 2.2 * g.stars.reach) + 16) / TZ_CELL);
     g.strips = (c->ny + g.strip - 1) / g.strip;
     g.tiles = (c->nx + g.span - 1) / g.span;
     if ((int64_t)g.strips * g.tiles >= INT32_MAX >> TZ_KEY_BITS) {
@@ -206,7 +230,7 @@ tz_status tz_arrange(tz_ctx *ctx, const tz_exemplar *ex, int32_t n, const tz_rul
     }
     c->ring =
         (tz_ctx_threads(ctx) + 10) * g.strip + (int32_t)(6 * g.stars.reach / TZ_CELL);
-    if (c->ring > c->ny || params->tile || has_fixed(l))
+    if (c->ring > c->ny || params->tile || has_fixed(l) || params->frames)
         c->ring = c->ny;
     const size_t cells = (size_t)c->nx * (size_t)c->ring;
     s = tz_alloc(ctx, &c->feature, cells, sizeof *c->feature);

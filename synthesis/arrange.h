@@ -7,6 +7,7 @@
 
 #include "analysis/ebpt.h"
 #include "base/param.h"
+#include "elements/frames.h"
 #include "synthesis/layout.h"
 #include "synthesis/rules.h"
 
@@ -22,6 +23,8 @@ typedef struct tz_arrange_params {
     int32_t mirror;     /**< 0 auto, 1 never, 2 always allowed */
     double coherence;   /**< 0..1: how much running on with the exemplar is liked */
     int32_t effort;     /**< 1..9: candidates tried per placement */
+    const tz_frames *frames; /**< borrowed; turn, size and distances of pieces at each
+                                  layout px; NULL = as the exemplar's. Not in the table */
 } tz_arrange_params;
 TZ_API extern const tz_param_table tz_arrange_param_table;
 
@@ -36,6 +39,8 @@ typedef struct tz_exemplar {
 /** Fills the layout with placements that cover it.
  * @param exemplars  n >= 1; rules choose between them
  * @param rules      NULL = default
+ * @param params     frames turn pieces and scale them by 0.25 to 4; where densities are said
+ *   pieces are cut larger, so that fewer lie there
  * @param[in,out] l  zeroed, or an existing layout of the same size, tile and sources whose
  *   fixed placements are kept and grown around
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM; TZ_CANCELLED; untouched on error

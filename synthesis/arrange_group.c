@@ -183,37 +183,47 @@ static void widen(tz_stars *s, const tz_star *star)
         s->reach = fmax(s->reach, star->limit[k]);
 }
 
-/* A block for each rule that wants other sizes than the exemplars'. */
+/* The stars once more, cut to the piece of one rule and level. */
+static tz_status add_block(tz_ctx *ctx, const tz_exemplar *ex, double piece,
+                           bool granular, tz_stars *s)
+{
+    tz_status st = TZ_OK;
+    for (int32_t k = 0; k < s->count && st == TZ_OK; k++) {
+        tz_star star = s->star.v[k], cut;
+        const double wanted = fitting_piece(ex[star.exemplar].ebpt, piece);
+        make_star(&ex[star.exemplar], star.exemplar, star.group, wanted, granular, &cut);
+        memcpy(star.radius, cut.radius, sizeof star.radius);
+        memcpy(star.limit, cut.limit, sizeof star.limit);
+        star.mean_radius = cut.mean_radius;
+        widen(s, &star);
+        st = tz_array_push(ctx, &s->star, star);
+    }
+    return st;
+}
+
+/* A block for each rule and level that wants other sizes than the exemplars'. */
 static tz_status add_blocks(tz_ctx *ctx, const tz_exemplar *ex, const tz_rules *rules,
                             double piece, tz_stars *s)
 {
-    tz_status st = tz_alloc_zero(ctx, &s->block, (size_t)rules->rule.n, sizeof *s->block);
-    for (int32_t r = 0; r < rules->rule.n && st == TZ_OK; r++) {
-        const tz_rule *rule = &rules->rule.v[r];
+    const int32_t n = rules->rule.n * s->levels;
+    tz_status st = tz_alloc_zero(ctx, &s->block, (size_t)n, sizeof *s->block);
+    for (int32_t i = 0; i < n && st == TZ_OK; i++) {
+        const tz_rule *rule = &rules->rule.v[i / s->levels];
         const bool granular = rule->structure == TZ_STRUCTURE_GRANULAR;
-        if (!granular && rule->density == 1)
+        const double density = rule->density * pow(2, -(i % s->levels));
+        if (!granular && density == 1)
             continue;
-        s->block[r] = s->star.n;
-        for (int32_t k = 0; k < s->count && st == TZ_OK; k++) {
-            tz_star star = s->star.v[k], cut;
-            const double wanted =
-                fitting_piece(ex[star.exemplar].ebpt, piece / sqrt(rule->density));
-            make_star(&ex[star.exemplar], star.exemplar, star.group, wanted, granular,
-                      &cut);
-            memcpy(star.radius, cut.radius, sizeof star.radius);
-            memcpy(star.limit, cut.limit, sizeof star.limit);
-            star.mean_radius = cut.mean_radius;
-            widen(s, &star);
-            st = tz_array_push(ctx, &s->star, star);
-        }
+        s->block[i] = s->star.n;
+        st = add_block(ctx, ex, piece / sqrt(density), granular, s);
     }
     return st;
 }
 
 tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
-                        const tz_rules *rules, double piece, tz_stars *s)
+                        const tz_rules *rules, double piece, int32_t levels, tz_stars *s)
 {
     memset(s, 0, sizeof *s);
+    s->levels = levels;
     tz_status st = tz_alloc_zero(ctx, &s->first, (size_t)n + 1, sizeof *s->first);
     for (int32_t e = 0; e < n && st == TZ_OK; e++) {
         const tz_ebpt *b = ex[e].ebpt;

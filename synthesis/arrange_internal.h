@@ -56,6 +56,7 @@ void tz_feature_maps_deinit(tz_ctx *ctx, tz_feature_map *map, int32_t n);
 
 /* ---- groups ----------------------------------------------------------------------- */
 
+enum { TZ_THIN_LEVELS = 5 }; /* density 1, 1/2 .. 1/16 */
 enum { TZ_RAYS = 64, TZ_RINGS = 24, TZ_BORDER = 128, TZ_SIMILAR = 6 };
 
 /** Edge group made ready for placing: a star about the region's centre. */
@@ -78,19 +79,22 @@ typedef struct tz_freedom {
 } tz_freedom;
 
 /** Stars in blocks of `count`: block 0 as the exemplars want them, further blocks the same
- * groups cut to other sizes, as rules ask (granular structure, density). */
+ * groups cut to other sizes, as rules ask (granular structure, density) and frames (each
+ * level of thinning halves the pieces of an area). */
 typedef struct tz_stars {
     TZ_ARRAY(tz_star)
     star;
     int32_t count;
     int32_t *of_group[64]; /**< per exemplar: group -> star of block 0, or -1 */
     int32_t *first; /**< exemplar e owns stars first[e] .. first[e + 1] - 1 of block 0 */
-    int32_t *block; /**< per rule: where its block begins */
+    int32_t levels; /**< of thinning, >= 1 */
+    int32_t *block; /**< per rule and level: where its block begins */
     double reach;   /**< largest limit, px */
 } tz_stars;
 
+/** @param levels  of thinning that places may ask for, 1 .. TZ_THIN_LEVELS */
 tz_status tz_stars_init(tz_ctx *ctx, const tz_exemplar *ex, int32_t n,
-                        const tz_rules *rules, double piece, tz_stars *s);
+                        const tz_rules *rules, double piece, int32_t levels, tz_stars *s);
 void tz_stars_deinit(tz_ctx *ctx, tz_stars *s, int32_t n);
 tz_status tz_freedom_measure(tz_ctx *ctx, const tz_exemplar *ex, tz_freedom *f);
 
@@ -285,6 +289,7 @@ typedef struct tz_grower {
     const tz_rules *rules;
     tz_arrange_params p;
     double piece;
+    double largest; /* size that frames ask for anywhere, and pieces by thinning, >= 1 */
     tz_stars stars;
     tz_feature_map *map;
     tz_freedom *freedom;

@@ -36,6 +36,9 @@ typedef struct place {
     tz_vec2 towards; /* from it to the middle of the void around */
     const tz_rule *rule;
     int32_t rule_index;
+    double size,
+        piece;     /* as the frame has them here: factor; wanted diameter, layout px */
+    int32_t level; /* of thinning */
     overlap coarse, dense;
     int32_t near[NEAR], nears; /* keys of placed pieces around */
     echo echo[NEAR];
@@ -74,10 +77,39 @@ static void collect(const tz_grower *g, tz_vec2 mid, double radius, int32_t stri
         }
 }
 
+static double size_at(const tz_grower *g, tz_vec2 v)
+{
+    return g->p.frames ? tz_frames_size(g->p.frames, (tz_vec3){v.x, v.y, 0}) : 1;
+}
+
+static double turn_at(const tz_grower *g, tz_vec2 v)
+{
+    return g->p.frames ? tz_frames_angle(g->p.frames, (tz_vec3){v.x, v.y, 0}) : 0;
+}
+
+/* How large pieces are here, and which block of stars is as sparse as is said. */
+static void look_up_frame(const tz_grower *g, tz_vec2 v, place *pl)
+{
+    pl->size = size_at(g, v);
+    pl->level = 0;
+    if (g->stars.levels > 1) {
+        const double thin = tz_frames_apart(g->p.frames, (tz_vec3){v.x, v.y, 0});
+        const double level = floor(2 * log2(thin / pl->size) + 0.5);
+        pl->level = (int32_t)fmin(fmax(level, 0), g->stars.levels - 1);
+    }
+    pl->piece = g->piece * pl->size * pow(2, 0.5 * pl->level);
+}
+
+static int32_t block_of(const tz_grower *g, const place *pl)
+{
+    return g->stars.block[pl->rule_index * g->stars.levels + pl->level];
+}
+
 static void look_around(const tz_grower *g, tz_vec2 v, tz_rng *rng, place *pl)
 {
     const tz_canvas *c = &g->canvas;
-    const double piece = g->piece;
+    look_up_frame(g, v, pl);
+    const double piece = pl->piece;
     pl->at = v;
     pl->nears = 0;
     pl->rule_index =
@@ -85,9 +117,10 @@ static void look_around(const tz_grower *g, tz_vec2 v, tz_rng *rng, place *pl)
     pl->rule = &g->rules->rule.v[pl->rule_index];
     const int32_t ci = (int32_t)floor(v.x / TZ_CELL), cj = (int32_t)floor(v.y / TZ_CELL);
     const int32_t r = (int32_t)(0.75 * piece / TZ_CELL) + 1;
+    const int32_t pace = (int32_t)fmax(2, 2 * piece / g->piece);
     double sx = 0, sy = 0, n = 0;
-    for (int32_t j = -r; j <= r; j += 2)
-        for (int32_t i = -r; i <= r; i += 2) {
+    for (int32_t j = -r; j <= r; j += pace)
+        for (int32_t i = -r; i <= r; i += pace) {
             const int64_t at = tz_canvas_at(c, ci + i, cj + j);
             if (at < 0)
                 continue;
@@ -215,7 +248,7 @@ static double compare(const tz_grower *g, const place *pl, const overlap *o,
 static double repetition(const tz_grower *g, const place *pl, const candidate *c)
 {
     const tz_star *s = &g->stars.star.v[c->star];
-    const double range = 2.5 * g->piece, piece = g->piece;
+    const double range = 2.5 * pl->piece, piece = g->piece;
     double cost = 0;
     for (int32_t k = 0; k < pl->nears; k++) {
         const echo *q = &pl->echo[k];
@@ -272,19 +305,27 @@ static void ranges(const tz_grower *g, const tz_rule *r, int32_t exemplar,
     *scale = isnan(r->scale[0]) ? g->p.scale : r->scale;
 }
 
+/* Directions and sizes that change from place to place leave this much to what runs on. */
+static const double field_turn = 0.1, field_scale = 1.08;
+
 /* Whether a piece may run on here under its neighbour's map: that may lie in the region of
  * another rule. Mirrored pieces may stand on their heads. */
 static bool map_allowed(const tz_grower *g, const place *pl, int32_t exemplar,
                         tz_affine m)
 {
     double angle[2];
-    const double *scale, slack = 1e-6;
+    const double *scale, slack = 1e-6, more = g->p.frames ? field_scale : 1;
     if (pl->rule->field >= 0)
         return false;
     ranges(g, pl->rule, exemplar, angle, &scale);
-    const double det = tz_affine_det(m), s = sqrt(fabs(det));
-    if (s < scale[0] - slack || s > scale[1] + slack)
+    const double det = tz_affine_det(m), s = sqrt(fabs(det)) / pl->size;
+    if (s < scale[0] / more - slack || s > scale[1] * more + slack)
         return false;
+    if (g->p.frames) {
+        const double turn = turn_at(g, pl->at),
+                     free = g->p.frames->turned ? field_turn : 0;
+        angle[0] += turn - free, angle[1] += turn + free;
+    }
     const double turn = det < 0 ? TZ_PI : 2 * TZ_PI;
     if (g->p.rotate_auto && isnan(pl->rule->rotation[0])) {
         const double bend = g->freedom[exemplar].bend;
@@ -312,7 +353,8 @@ static tz_affine draw_map(const tz_grower *g, const place *pl, const tz_star *st
     angle = turns[0] + u * (turns[1] - turns[0]);
     if (r->field >= 0)
         angle += tz_rules_field(g->rules, pl->rule_index, g->p.size[0], g->p.size[1], at);
-    scale = range[0] * pow(range[1] / range[0], w);
+    angle += turn_at(g, at);
+    scale = range[0] * pow(range[1] / range[0], w) * size_at(g, at);
     if (g->p.mirror == 2 || (g->p.mirror == 0 && f->mirror_x))
         mirror = m < 0.5;
     if (g->p.mirror == 0 && f->mirror_y && !f->mirror_x && m < 0.5) {
@@ -347,7 +389,7 @@ static void try_star(const tz_grower *g, const place *pl, int32_t id, tz_rng *rn
     const tz_star *s = &g->stars.star.v[id];
     const double u = tz_rng_unit(rng), w = tz_rng_unit(rng);
     const double length = tz_vec2_length(pl->towards) + 1e-9;
-    const double r = s->mean_radius;
+    const double r = s->mean_radius * pl->size;
     const double off = fmin(length, (0.35 + 0.4 * u) * r);
     const double side = (w - 0.5) * 0.8 * r;
     tz_vec2 c = tz_vec2_add(pl->at, tz_vec2_scale(pl->towards, off / length));
@@ -379,7 +421,7 @@ static void try_neighbours(const tz_grower *g, const place *pl, tz_rng *rng,
             int32_t id = g->stars.of_group[t->exemplar][e->neighbour.v[j]];
             if (id < 0)
                 continue;
-            const int32_t block = g->stars.block[pl->rule_index];
+            const int32_t block = block_of(g, pl);
             id += block;
             const tz_star *s = &g->stars.star.v[id];
             candidate c = {id, true, q->map, tz_affine_apply(q->map, s->centre), 0};
@@ -437,7 +479,9 @@ static void refine(const tz_grower *g, const place *pl, candidate *c)
     static const int8_t dir[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                      {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
     const tz_star *s = &g->stars.star.v[c->star];
-    const double bend = automatic(g, pl->rule) ? g->freedom[s->exemplar].bend : 0;
+    const double least = g->p.frames && g->p.frames->turned ? field_turn : TZ_PI;
+    const double bend =
+        automatic(g, pl->rule) ? fmin(g->freedom[s->exemplar].bend, least) : 0;
     const int ways = bend > 0 ? 6 : 4;
     const overlap *o = &pl->coarse;
     double angle = 0, here = compare(g, pl, o, c, INFINITY);
@@ -508,7 +552,7 @@ tz_grown tz_place_choose(const tz_grower *g, tz_vec2 v, tz_rng *rng)
     look_around(g, v, rng, pl);
     candidate best[BEST];
     int32_t n = 0;
-    const int32_t stars = g->stars.count, block = g->stars.block[pl->rule_index];
+    const int32_t stars = g->stars.count, block = block_of(g, pl);
     const bool structured = pl->rule->structure != TZ_STRUCTURE_RANDOM;
     if (structured)
         try_neighbours(g, pl, rng, best, &n);
