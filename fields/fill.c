@@ -291,6 +291,20 @@ static tz_status iterate_all(tz_fill *f)
     return s;
 }
 
+/* An empty domain is no result, unless nothing was asked for. */
+static tz_status check_any(const tz_fill *f)
+{
+    for (int32_t i = 0; i < f->body.n; i++)
+        if (!f->body.v[i].gone)
+            return TZ_OK;
+    if (f->job.count < 0)
+        return TZ_OK;
+    return tz_fail(f->ctx, TZ_INVALID,
+                   "nothing of the palette fits whole into the domain of %g x %g; scale "
+                   "the palette down",
+                   f->domain.size.x, f->domain.size.y);
+}
+
 tz_status tz_fill_run(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *layout,
                       tz_fill_report *report)
 {
@@ -302,6 +316,8 @@ tz_status tz_fill_run(tz_ctx *ctx, const tz_fill_job *job, tz_element_set *layou
         s = iterate_all(f);
     if (s == TZ_OK && f->par.repair)
         s = tz_fill_repair(f);
+    if (s == TZ_OK)
+        s = check_any(f);
     if (s == TZ_OK)
         s = tz_fill_write(f, layout);
     timespec_get(&t1, TIME_UTC);

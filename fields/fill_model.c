@@ -5,6 +5,8 @@
 
 #include "fields/fill_internal.h"
 
+#define MOST_SHARE 1e12
+
 /* ---- models ------------------------------------------------------------------------- */
 
 void tz_fill_model_deinit(tz_ctx *ctx, tz_fill_model *m)
@@ -277,10 +279,10 @@ static tz_status check_entry(tz_ctx *ctx, const tz_fill_entry *e,
         return tz_fail(ctx, TZ_INVALID,
                        "entry %d of the mix names element %d; the palette has %d", i,
                        e->element, palette->element.n);
-    if (!(e->share >= 0) || !isfinite(e->share))
+    if (!(e->share >= 0 && e->share <= MOST_SHARE))
         return tz_fail(ctx, TZ_INVALID,
-                       "entry %d of the mix has share %g; it must be 0 or more", i,
-                       e->share);
+                       "entry %d of the mix has share %g; it must be 0 to %g", i,
+                       e->share, MOST_SHARE);
     if (!(e->rigidity >= 0) || !isfinite(e->rigidity))
         return tz_fail(ctx, TZ_INVALID,
                        "entry %d of the mix has rigidity %g; it must be 0 (bends) to 100 "
@@ -314,6 +316,64 @@ static tz_status add_entry(tz_fill *f, const tz_fill_entry *e)
                                      .jitter = e->jitter});
 }
 
+/* Radius of the largest disc that the domain holds. */
+static double widest_place(const tz_fill *f)
+{
+    const tz_region *g = f->domain.region;
+    double most = fmin(f->domain.size.x, f->domain.size.y) / 2, deep = 0;
+    if (!g)
+        return most;
+    const double cell =
+        hypot(g->raster.size.x / g->raster.width, g->raster.size.y / g->raster.height);
+    for (int64_t i = 0; i < (int64_t)g->raster.width * g->raster.height; i++)
+        deep = fmax(deep, (double)g->distance[i]);
+    return fmin(most, deep + cell / 2);
+}
+
+/* The size up to which a thing can lie in the domain: its largest disc, its longest way
+ * and its area do. */
+static double most_size(const tz_fill *f, const tz_fill_model *m, double room)
+{
+    const tz_vec3 size = f->domain.size;
+    const double way = f->domain.torus ? fmax(size.x, size.y) : hypot(size.x, size.y);
+    double disc = 0, longest = 0;
+    for (int32_t i = 0; i < m->cover.n; i++)
+        disc = fmax(disc, m->cover.disc[i].radius);
+    for (int32_t i = 0; i < m->borders; i++)
+        for (int32_t k = 0; k < i; k++)
+            longest = fmax(longest, hypot(m->border[i].x - m->border[k].x,
+                                          m->border[i].y - m->border[k].y));
+    return fmin(fmin(room / disc, way / longest),
+                sqrt(tz_domain_area(&f->domain) / m->area));
+}
+
+/* What never fits gets no share, and no size that does not. */
+static tz_status fit_sizes(tz_fill *f)
+{
+    const double room = widest_place(f);
+    double share = 0, wanted = 0;
+    for (int32_t i = 0; i < f->entries; i++) {
+        tz_fill_model *m = &f->model.v[i];
+        const double most = most_size(f, m, room);
+        wanted += m->share;
+        if (m->size[0] >= most)
+            m->share = 0;
+        m->size[1] = fmin(m->size[1], fmax(m->size[0], most));
+        share += m->share;
+    }
+    if (!(wanted > 0))
+        return tz_fail(
+            f->ctx, TZ_INVALID,
+            "no thing of the palette may be copied: they are cut, in doubt, or "
+            "have no share in the mix");
+    if (!(share > 0))
+        return tz_fail(f->ctx, TZ_INVALID,
+                       "every thing of the palette is larger than the domain of %g x %g, "
+                       "which holds a disc of radius %.4g; scale the palette down",
+                       f->domain.size.x, f->domain.size.y, room);
+    return TZ_OK;
+}
+
 tz_status tz_fill_models(tz_fill *f)
 {
     const tz_element_set *p = f->job.palette;
@@ -338,28 +398,7 @@ tz_status tz_fill_models(tz_fill *f)
     f->entries = f->model.n;
     if (s != TZ_OK)
         return s;
-    double share = 0, least = HUGE_VAL;
-    const double room = fmin(f->domain.size.x, f->domain.size.y);
-    for (int32_t i = 0; i < f->entries; i++) {
-        tz_fill_model *m = &f->model.v[i];
-        const double need = 2 * m->radius[0] * m->size[0];
-        least = fmin(least, need);
-        if (need >= room ||
-            m->area * m->size[0] * m->size[0] > tz_domain_area(&f->domain))
-            m->share = 0; /* never fits */
-        share += m->share;
-    }
-    if (f->entries == 0 || (!(share > 0) && least < room))
-        return tz_fail(
-            f->ctx, TZ_INVALID,
-            "no thing of the palette may be copied: they are cut, in doubt, or "
-            "have no share in the mix");
-    if (!(share > 0))
-        return tz_fail(f->ctx, TZ_INVALID,
-                       "every thing of the palette is larger than the domain of %g x %g; "
-                       "scale the palette down",
-                       f->domain.size.x, f->domain.size.y);
-    return TZ_OK;
+    return fit_sizes(f);
 }
 
 /* ---- samples ------------------------------------------------------------------------ */

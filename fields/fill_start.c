@@ -13,6 +13,7 @@
 #include "fields/fill_internal.h"
 
 enum { STREAM_BODY = 0xf1e1d, STREAM_PLACE = 0xf1e1e };
+#define LAYERS 4.0 /* of elements that may lie upon each other at the start */
 
 /* ---- counts ------------------------------------------------------------------------- */
 
@@ -29,7 +30,8 @@ static double mean_area(const tz_fill *f)
     return sum / share;
 }
 
-tz_status tz_fill_count(tz_fill *f, double *count)
+/* Area that elements of the palette's own sizes have which fill the domain in one layer. */
+static double layer_area(const tz_fill *f)
 {
     enum { PLACES = 64 };
     const tz_vec3 size = f->domain.size;
@@ -42,14 +44,38 @@ tz_status tz_fill_count(tz_fill *f, double *count)
         const double c = tz_fill_size(f, at), d = 1 + tz_fill_rho(f, at);
         sum += 1 / (c * c * d * d), inside++;
     }
-    const double per = inside > 0 ? sum / inside : 1;
-    *count = f->par.fill * tz_domain_area(&f->domain) / mean_area(f) * per;
-    if (*count > TZ_FILL_MOST)
+    return tz_domain_area(&f->domain) * (inside > 0 ? sum / inside : 1);
+}
+
+tz_status tz_fill_count(tz_fill *f, double *count)
+{
+    *count = f->par.fill * layer_area(f) / mean_area(f);
+    if (!(*count <= TZ_FILL_MOST))
         return tz_fail(f->ctx, TZ_LIMIT,
                        "%.3g elements would fill the domain; over %d are too many, take "
                        "larger ones or a smaller domain",
                        *count, TZ_FILL_MOST);
     return TZ_OK;
+}
+
+/* Heaps of many layers come to rest nowhere, and cost their square. */
+static tz_status check_crowd(tz_fill *f, int32_t count)
+{
+    const double layer = layer_area(f), one = mean_area(f);
+    double all = count > 1 ? count * one : 0;
+    int32_t n = count;
+    for (int32_t i = 0; i < f->body.n; i++) {
+        const tz_fill_body *b = &f->body.v[i];
+        const double c = b->size * tz_fill_scale(f, b->first);
+        all += b->fixed ? 0 : f->model.v[b->model].area * c * c;
+        n += !b->fixed;
+    }
+    if (!(all > LAYERS * layer))
+        return TZ_OK;
+    return tz_fail(f->ctx, TZ_INVALID,
+                   "%d elements are %.3g times as large as the domain; about %.0f fill "
+                   "it, take fewer, or smaller ones",
+                   n, all / layer, fmin(f->par.fill, 1) * layer / one);
 }
 
 /* ---- new bodies --------------------------------------------------------------------- */
@@ -250,7 +276,9 @@ tz_status tz_fill_start_bodies(tz_fill *f, int32_t count)
     int32_t *cells = NULL, n = 0, out;
     const bool insert = f->par.start == TZ_FILL_INSERT && count > 8;
     const int32_t thrown = insert ? (count + 1) / 2 : count;
-    tz_status s = draw_all(f, count, &d);
+    tz_status s = check_crowd(f, count);
+    if (s == TZ_OK)
+        s = draw_all(f, count, &d);
     if (s == TZ_OK && f->domain.region)
         s = inside_cells(f, &cells, &n);
     for (int32_t i = 0; i < thrown && s == TZ_OK; i++)
