@@ -62,21 +62,39 @@ static int32_t beside(const tz_fill *f, int32_t x, int32_t y, int way)
     return x < 0 || y < 0 || x >= g->width || y >= g->height ? -1 : y * g->width + x;
 }
 
+/* A free cell, and those beside it that are not outside. */
+typedef struct free_cell {
+    int32_t at, n, near[4];
+} free_cell;
+
 /* state: 0 = outside, 1 = free, 2 = said */
-static void relax(const tz_fill *f, const uint8_t *state, double *v)
+static tz_status relax(const tz_fill *f, const uint8_t *state, double *v)
 {
     const tz_fill_guide *g = &f->guide;
-    for (int32_t k = 0; k < SWEEPS; k++)
-        for (int32_t i = 0; i < g->width * g->height; i++) {
-            double sum = 0, n = 0;
-            for (int way = 0; way < 4 && state[i] == 1; way++) {
-                const int32_t q = beside(f, i % g->width, i / g->width, way);
-                if (q >= 0 && state[q] > 0)
-                    sum += v[q], n++;
-            }
-            if (n > 0)
-                v[i] += (k < SWEEPS - 8 ? OVER : 1) * (sum / n - v[i]);
+    free_cell *cell = NULL;
+    int32_t cells = 0;
+    const int32_t all = g->width * g->height;
+    const tz_status s = tz_alloc(f->ctx, &cell, (size_t)all, sizeof *cell);
+    for (int32_t i = 0; i < all && s == TZ_OK; i++) {
+        free_cell *c = &cell[cells];
+        *c = (free_cell){.at = i};
+        for (int way = 0; way < 4 && state[i] == 1; way++) {
+            const int32_t q = beside(f, i % g->width, i / g->width, way);
+            if (q >= 0 && state[q] > 0)
+                c->near[c->n++] = q;
         }
+        cells += c->n > 0;
+    }
+    for (int32_t k = 0; k < SWEEPS && s == TZ_OK; k++)
+        for (const free_cell *c = cell; c < cell + cells; c++) {
+            double sum = 0;
+            for (int32_t e = 0; e < c->n; e++)
+                sum += v[c->near[e]];
+            sum = c->n == 4 ? 0.25 * sum : sum / c->n;
+            v[c->at] += (k < SWEEPS - 8 ? OVER : 1) * (sum - v[c->at]);
+        }
+    tz_free(f->ctx, cell);
+    return s;
 }
 
 static tz_status make_map(tz_fill *f, int what, double **map)
@@ -98,7 +116,7 @@ static tz_status make_map(tz_fill *f, int what, double **map)
         lo = fmin(lo, (*map)[i]), hi = fmax(hi, (*map)[i]);
     }
     if (s == TZ_OK)
-        relax(f, state, *map);
+        s = relax(f, state, *map);
     for (size_t i = 0; i < n && s == TZ_OK; i++)
         (*map)[i] = fmin(fmax((*map)[i], lo), hi);
     tz_free(f->ctx, state);

@@ -413,11 +413,11 @@ static double rotation_term(const tz_fill *f, const double *u, double n, double 
 
 /* Sums: align, continuity, rigidity, rotation. Directions that weights w_o compare are
  * those at the beginning of the step: edge_w keeps them. */
-static void weigh_turn(void *arg, int32_t from, int32_t to, double sums[4])
+static inline void weigh_turns(const turn_run *t, int32_t from, int32_t to,
+                               double sums[4], const int m, const int cols)
 {
-    const turn_run *t = arg;
     tz_fill *f = t->f;
-    const int m = f->m, cols = f->columns, per = m / cols;
+    const int per = m / cols;
     const double a2 = f->par.alpha * f->par.alpha;
     for (int32_t j = from; j < to; j++) {
         const int32_t i = f->live_node.v[j], n = samples_of(f, i);
@@ -459,6 +459,15 @@ static void weigh_turn(void *arg, int32_t from, int32_t to, double sums[4])
         for (int k = 0; k < m && t->gradient; k++)
             f->gradient[(ptrdiff_t)i * m + k] = -g[k];
     }
+}
+
+static void weigh_turn(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const turn_run *t = arg;
+    if (t->f->m == 2) /* for the compiler: loops of known length */
+        weigh_turns(t, from, to, sums, 2, 1);
+    else
+        weigh_turns(t, from, to, sums, t->f->m, t->f->columns);
 }
 
 tz_status tz_fill_turn_energy(tz_fill *f, double sums[4], bool gradient)
