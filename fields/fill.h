@@ -128,8 +128,9 @@ typedef struct tz_fill_report {
     int32_t elements, samples, entries, iterations;
     int32_t moved, shrunk, dropped, inserted; /**< by repair and teleportation; shrunk
                                                    by over 2 % */
-    double covered;           /**< share of the domain's area, by outlines */
-    double overlap;           /**< area that two things share, over the things' area */
+    double covered; /**< share of the domain's area, by outlines */
+    double overlap; /**< area that two things share, over the things' area */
+    double outside; /**< area of theirs out of the region, over the things' area */
     double align, align_most; /**< angle to strokes under them, radians: mean, greatest */
     double turn, turn_rms, turn_95; /**< angle between neighbours, radians: mean, root of
                                          mean square, 95th percentile */

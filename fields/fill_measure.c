@@ -104,7 +104,7 @@ static tz_status count_cells(tz_ctx *ctx, const tz_element_set *set, cover *c,
     const size_t n = (size_t)g->width * (size_t)g->height;
     float *empty = NULL;
     tz_region *region = NULL;
-    double inside = 0, covered = 0, all = 0, twice = 0, hole = 0;
+    double inside = 0, covered = 0, all = 0, twice = 0, out = 0, hole = 0;
     bool any = false;
     tz_status s = tz_alloc(ctx, &empty, n, sizeof *empty);
     for (size_t i = 0; i < n && s == TZ_OK; i++) {
@@ -113,6 +113,7 @@ static tz_status count_cells(tz_ctx *ctx, const tz_element_set *set, cover *c,
             ((double)(i / (size_t)g->width) + 0.5) * g->size.y / g->height, 0};
         const bool in = tz_domain_contains(&set->domain, at);
         inside += in, covered += in && c->count[i];
+        out += in ? 0 : c->count[i];
         all += c->count[i], twice += c->count[i] > 1 ? c->count[i] - 1 : 0;
         empty[i] = in && !c->count[i];
         any = any || empty[i] > 0;
@@ -126,6 +127,7 @@ static tz_status count_cells(tz_ctx *ctx, const tz_element_set *set, cover *c,
     tz_free(ctx, empty);
     r->covered = inside > 0 ? covered / inside : 0;
     r->overlap = all > 0 ? twice / all : 0;
+    r->outside = all > 0 ? out / all : 0;
     r->hole = hole;
     return s;
 }

@@ -487,29 +487,57 @@ no slower than it)"
     "$tools/bench_element_render" 10000 2048 5 | sed 's/^/  /'
 }
 
+# pairs : "name value" pairs of a line from the column $1 on, values only
+pairs() { awk -v from="$1" '{ for (i = 1; i < from; i++) printf "%s ", $i
+    for (i = from + 1; i <= NF; i += 2) printf "%s ", $i
+    print "" }'; }
+
 bench_fields() {
-    title "fields: domains filled along strokes (goals: 689 things, 100 iterations in 0.2 s;
-100,000 samples under 0.3 s an iteration and 500 MiB; an edit of 1 % of 10,000 under 0.03 s)"
+    title "fields: domains filled along strokes (goals: 689 things, 100 iterations in 0.2 s
+with start and repair; 100,000 samples under 0.3 s an iteration and 500 MiB; an edit of 1 % of
+10,000 things under 0.03 s)"
     local n
-    for n in "689 100" "300 20" "3000 20" "30000 20" "300000 3"; do
+    for n in "689 100" "400 20" "4000 20" "40000 20" "400000 3"; do
         # shellcheck disable=SC2086 # two arguments
         "$tools/bench_fill" speed $n || return 1
-    done | awk '{ print $2, $22, $4, $8, $10, $12, $14, $20 }' | tee "$out/lines" | awk '
-        BEGIN { printf "  %8s %8s %8s %10s %8s %10s %8s %6s\n", "things", "samples",
-            "start s", "iterate s", "cpu s", "each s", "repair s", "MiB" }
-        { printf "  %8d %8d %8.3f %10.3f %8.3f %10.5f %8.3f %6d\n",
-            $1, $2, $3, $4, $5, $6, $7, $8 }'
-    rows fields-speed things samples start iterate cpu each repair peak_mib <"$out/lines"
-    "$tools/bench_fill" edit 10000 | sed 's/^/  /'
-    "$tools/bench_fill" strokes 1000000 | sed 's/^/  /'
+    done >"$out/lines" || return 1
+    awk '{ print $2, $22, $4, $6, $8, $10, $12, $14, $20 }' "$out/lines" >"$out/fields-lines"
+    awk 'BEGIN { printf "  %8s %8s %8s %8s %10s %8s %10s %14s %8s %6s\n", "things", "samples",
+            "start s", "cpu s", "iterate s", "cpu s", "each s", "us each sample", "repair s",
+            "MiB" }
+        { printf "  %8d %8d %8.3f %8.3f %10.3f %8.3f %10.5f %14.3f %8.3f %6d", $1, $2, $3, $4,
+            $5, $6, $7, 1e6 * $7 / $2, $8, $9
+        if ($1 == 689) printf "  in all %.3f: %s", $3 + $5 + $8,
+            ($3 + $5 + $8 < 0.2 ? "met" : "MISSED")
+        if ($1 == 40000) printf "  %s", ($7 * 1e5 / $2 < 0.3 && $9 < 500 ? "met" : "MISSED")
+        print "" }' "$out/fields-lines"
+    rows fields-speed things samples start start_cpu iterate iterate_cpu each repair peak_mib \
+        <"$out/fields-lines"
+    "$tools/bench_fill" edit 10000 | pairs 1 | tee "$out/lines" |
+        awk '{ printf "  %d things, %.1f %% under a brush, to a settled result: %.4f s, " \
+            "cpu %.4f s: %s\n", $1, 100 * $2, $3, $4, ($3 < 0.03 ? "met" : "MISSED") }'
+    rows fields-edit things share seconds cpu <"$out/lines"
+    "$tools/bench_fill" strokes 1000000 | pairs 1 | tee "$out/lines" |
+        awk '{ printf "  %d strokes read and settled: %.2f s, %d MiB\n", $1, $2, $4 }'
+    rows fields-strokes strokes seconds cpu peak_mib <"$out/lines"
+    title "fields: ten cases, means of three seeds (goals: ours better than two-step in each;
+overlap under 0.005). Angles in degrees"
     mkdir -p "$out/fields"
-    "$tools/bench_fill" cases "$out/fields" |
-        awk '{ print $1, $2, $4, $6, $8, $10, $12, $14, $22 }' | tee "$out/lines" | awk '
-        BEGIN { printf "  %-16s %-14s %7s %8s %8s %8s %7s %7s %8s\n", "case", "way",
-            "things", "covered", "overlap", "hole", "turn", "align", "seconds" }
-        { printf "  %-16s %-14s %7d %8.3f %8.4f %8.4f %7.2f %7.2f %8.2f\n",
-            $1, $2, $3, $4, $5, $6, $7, $8, $9 }'
-    rows fields case way things covered overlap hole turn align seconds <"$out/lines"
+    "$tools/bench_fill" cases "$out/fields" >"$out/cases" || return 1
+    grep -v '^against' "$out/cases" | pairs 3 | tee "$out/lines" | awk '
+        BEGIN { printf "  %-16s %-14s %6s %7s %7s %7s %7s %7s %7s %6s %6s %6s %7s %6s %6s %7s %6s\n",
+            "case", "way", "things", "at first", "covered", "gain", "overlap", "outside", "hole", "turn",
+            "rms", "95 %", "bend", "align", "worst", "dropped", "shrunk" }
+        { printf "  %-16s %-14s %6d %8.3f %7.3f %7.3f %7.4f %7.4f %7.4f %6.2f %6.2f %6.2f %7.4f %6.2f " \
+            "%6.2f %7.1f %6.1f\n", $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14,
+            $15, $16, $17 }'
+    rows fields case way things first covered gain overlap outside hole turn turn_rms turn_95 bend align \
+        align_most dropped shrunk cpu <"$out/lines"
+    grep '^against' "$out/cases" | sed 's/^/  /'
+    grep '^against' "$out/cases" | cut -d' ' -f2- |
+        awk '{ for (i = 3; i < NF; i += 2) print $1, $i, $(i + 1) }' |
+        tr / ' ' >"$out/lines"
+    rows fields-better against measure better equal worse <"$out/lines"
 }
 
 bench_huge() {
@@ -555,7 +583,8 @@ done
 {
     printf '{"machine": "%s", "date": "%s"' "${line//\"/}" "$(date -u +%FT%TZ)"
     for section in analyze edges render arrange expand scores elements likeness curves \
-        curves-speed lines lines-photos fields-speed fields others huge; do
+        curves-speed lines lines-photos fields-speed fields-edit fields-strokes fields fields-better \
+        others huge; do
         [ -s "$out/$section.json" ] && printf ',\n  "%s": %s' "$section" "$(cat "$out/$section.json")"
     done
     printf '}\n'

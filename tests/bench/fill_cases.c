@@ -122,6 +122,7 @@ enum {
     COVERED,
     GAIN,
     OVERLAP,
+    OUTSIDE,
     HOLE,
     TURN,
     RMS,
@@ -136,12 +137,16 @@ enum {
 };
 static const struct {
     const char *name;
-    int better, digits; /* better: 1 = more, -1 = less, 0 = neither */
+    int better; /* 1 = more, -1 = less, 0 = neither */
+    int digits;
+    double apart; /* less than that is equal: half a cell of the rasters that measure */
 } figure[FIGURES] = {
-    {"things", 0, 0},   {"first", 0, 3},   {"covered", 1, 3}, {"gain", 1, 3},
-    {"overlap", -1, 4}, {"hole", -1, 4},   {"turn", -1, 3},   {"rms", -1, 3},
-    {"turn95", -1, 2},  {"bend", -1, 4},   {"align", -1, 3},  {"most", -1, 2},
-    {"dropped", -1, 1}, {"shrunk", -1, 1}, {"cpu", 0, 2},
+    {"things", 0, 0, 0},     {"first", 0, 3, 0},       {"covered", 1, 3, 1e-3},
+    {"gain", 1, 3, 1e-3},    {"overlap", -1, 4, 1e-4}, {"outside", -1, 4, 1e-4},
+    {"hole", -1, 4, 5e-4},   {"turn", -1, 3, 0.01},    {"rms", -1, 3, 0.01},
+    {"turn95", -1, 2, 0.05}, {"bend", -1, 4, 5e-4},    {"align", -1, 3, 0.05},
+    {"most", -1, 2, 0.1},    {"dropped", -1, 1, 0.5},  {"shrunk", -1, 1, 0.5},
+    {"cpu", 0, 2, 0},
 };
 
 static void add_figures(double v[FIGURES], const tz_fill_report *run,
@@ -149,7 +154,8 @@ static void add_figures(double v[FIGURES], const tz_fill_report *run,
 {
     const double deg = 180 / TZ_PI;
     v[THINGS] += m->elements, v[FIRST] += first->covered, v[COVERED] += m->covered;
-    v[GAIN] += m->covered - first->covered, v[OVERLAP] += m->overlap;
+    v[GAIN] += m->covered - first->covered, v[OVERLAP] += m->overlap,
+        v[OUTSIDE] += m->outside;
     v[HOLE] += m->hole / side, v[TURN] += m->turn * deg, v[RMS] += m->turn_rms * deg;
     v[TURN95] += m->turn_95 * deg;
     v[BEND] += m->spacing > 0 ? m->turn * deg / m->spacing : 0;
@@ -166,20 +172,19 @@ static void print_figures(const char *name, const char *way, const double v[FIGU
     fflush(stdout);
 }
 
-/* In how many cases the first is better; equal to the last digit counts as half. */
+/* In how many cases the first is better, as good, worse. */
 static void print_summary(const char *against, double (*ours)[FIGURES],
                           double (*other)[FIGURES], int n)
 {
-    printf("better than %s, of %d:", against, n);
+    printf("against %s better/equal/worse", against);
     for (int k = 0; k < FIGURES; k++) {
-        double better = 0;
-        const double digit = 0.5 * pow(10, -figure[k].digits);
+        int better = 0, worse = 0;
         for (int i = 0; i < n; i++) {
             const double d = (ours[i][k] - other[i][k]) * figure[k].better;
-            better += d > digit ? 1 : d < -digit ? 0 : 0.5;
+            better += d > figure[k].apart, worse += d < -figure[k].apart;
         }
         if (figure[k].better)
-            printf(" %s %g", figure[k].name, better);
+            printf(" %s %d/%d/%d", figure[k].name, better, n - better - worse, worse);
     }
     printf("\n");
 }
