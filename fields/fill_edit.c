@@ -58,6 +58,7 @@ static void hold_all(tz_fill *f)
         f->body.v[i].awake = false;
     f->local = true;
     f->stale = true;
+    f->known = f->known && f->fresh;
 }
 
 static void wake(tz_fill *f, int32_t n, const tz_vec2 *stroke, double radius)

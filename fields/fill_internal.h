@@ -13,6 +13,7 @@
  * energy. In space all nine numbers are kept.
  *
  *   fill.c           driver            fill_model.c   palette, bodies
+ *   fill_lists.c     what is awake, the diagram
  *   fill_solve.c     conjugate gradients over nodes
  *   fill_terms.c     neighbours, Eq. (5) to (12): scale, density and orientation step
  *   fill_place.c     Eq. (1) to (4): distribution and graph step
@@ -142,6 +143,7 @@ struct tz_fill {
     tz_fill_guide guide;
     tz_power *power;
     bool fresh; /**< the diagram is that of the places */
+    bool known; /**< it is so at least of what is held */
     double *weight;
     /* what is awake, in rising order */
     TZ_ARRAY(int32_t)
@@ -229,8 +231,6 @@ void tz_fill_pose(const tz_fill *f, int32_t body, tz_vec2 *at, double *angle,
 tz_vec2 tz_fill_to_world(const tz_fill *f, int32_t body, tz_vec2 p);
 tz_vec2 tz_fill_to_model(const tz_fill *f, int32_t body, tz_vec2 world, double *scale,
                          tz_vec2 *turn);
-/** Lists of what is awake. */
-tz_status tz_fill_lists(tz_fill *f);
 /** Drops bodies that are gone and puts the others in an order of places. */
 tz_status tz_fill_pack(tz_fill *f, bool sort);
 
@@ -266,8 +266,13 @@ double tz_fill_direction(const tz_fill *f, tz_vec3 at, tz_vec2 *v);
 double tz_fill_size(const tz_fill *f, tz_vec3 at);
 double tz_fill_rho(const tz_fill *f, tz_vec3 at);
 
-/* fill_terms.c */
+/* fill_lists.c */
+/** Lists of what is awake, unless nothing woke, came or left. */
+tz_status tz_fill_lists(tz_fill *f);
+/** The diagram of all samples, unless it is fresh. */
 tz_status tz_fill_diagram(tz_fill *f);
+
+/* fill_terms.c */
 /** After the cells are known: links, what the field says. */
 tz_status tz_fill_neighbours(tz_fill *f, const tz_power_cells *cells);
 tz_status tz_fill_scale_step(tz_fill *f, double before_after[2]);

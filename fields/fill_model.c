@@ -597,35 +597,3 @@ tz_vec2 tz_fill_to_model(const tz_fill *f, int32_t body, tz_vec2 world, double *
     *turn = l > 0 ? tz_vec2_scale(*turn, 1 / l) : (tz_vec2){1, 0};
     return tz_vec2_scale(sum, 1 / total);
 }
-
-/* ---- lists -------------------------------------------------------------------------- */
-
-tz_status tz_fill_lists(tz_fill *f)
-{
-    if (!f->stale)
-        return TZ_OK;
-    f->live.n = f->live_sample.n = f->live_node.n = 0;
-    f->all_live = true;
-    tz_status s = tz_array_reserve(f->ctx, &f->live, f->body.n);
-    if (s == TZ_OK)
-        s = tz_array_reserve(f->ctx, &f->live_sample, f->n);
-    if (s == TZ_OK)
-        s = tz_array_reserve(f->ctx, &f->live_node, f->n);
-    for (int32_t b = 0; b < f->body.n && s == TZ_OK; b++) {
-        const tz_fill_body *q = &f->body.v[b];
-        if (q->gone)
-            continue;
-        if (q->fixed || !q->awake) {
-            f->all_live = f->all_live && q->fixed;
-            continue;
-        }
-        f->live.v[f->live.n++] = b;
-        for (int32_t i = q->first; i < q->first + q->n; i++) {
-            f->live_sample.v[f->live_sample.n++] = i;
-            if (f->node[i] == i)
-                f->live_node.v[f->live_node.n++] = i;
-        }
-    }
-    f->stale = s != TZ_OK;
-    return s;
-}

@@ -19,57 +19,6 @@
 #define SMALL     1e-3 /* change of a scale or a column that does not matter */
 enum { ROUNDS = 40, LM_STEPS = 2 };
 
-/* ---- the diagram -------------------------------------------------------------------- */
-
-static void weigh(void *arg, int32_t from, int32_t to, double sums[4])
-{
-    tz_fill *f = arg;
-    (void)sums;
-    for (int32_t k = from; k < to; k++) {
-        const int32_t s = f->live_sample.v[k];
-        const double r = tz_fill_radius(f, s);
-        f->weight[s] = r * r;
-    }
-}
-
-tz_status tz_fill_diagram(tz_fill *f)
-{
-    tz_status s = tz_fill_lists(f);
-    if (s != TZ_OK)
-        return s;
-    const bool all =
-        f->all_live || f->live_sample.n > f->n / 2 || tz_power_get(f->power).n == 0;
-    if (!f->fresh || all) {
-        for (int32_t b = 0; b < f->body.n; b++) {
-            const tz_fill_body *q = &f->body.v[b];
-            for (int32_t i = q->first; i < q->first + q->n; i++) {
-                const double r = tz_fill_radius(f, i);
-                f->weight[i] = q->gone ? -1 : r * r;
-            }
-        }
-    } else {
-        s = tz_fill_blocks(f->ctx, f->live_sample.n, weigh, f, NULL);
-    }
-    if (s == TZ_OK && !all) {
-        s = tz_array_reserve(f->ctx, &f->changed, (int64_t)f->live_sample.n + f->left.n);
-        if (s == TZ_OK) {
-            f->changed.n = f->live_sample.n + f->left.n;
-            for (int32_t k = 0; k < f->live_sample.n; k++)
-                f->changed.v[k] = f->live_sample.v[k];
-            for (int32_t k = 0; k < f->left.n; k++)
-                f->changed.v[f->live_sample.n + k] = f->left.v[k];
-        }
-    }
-    if (s == TZ_OK)
-        s = all ? tz_power_update(f->power, f->n, f->at, f->weight)
-                : tz_power_change(f->power, f->n, f->at, f->weight, f->changed.n,
-                                  f->changed.v);
-    if (s == TZ_OK)
-        f->left.n = 0;
-    f->fresh = s == TZ_OK;
-    return s;
-}
-
 /* ---- neighbours --------------------------------------------------------------------- */
 
 typedef struct near_run {
