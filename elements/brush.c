@@ -110,7 +110,7 @@ tz_status tz_brush_paint(tz_growth *g, tz_vec2 at, double radius, int32_t textur
         return s;
     const tz_growth_exemplar *ex = &g->ex[texture];
     const tz_vec3 p = tz_domain_wrap(&g->out->domain, (tz_vec3){at.x, at.y, 0});
-    s = visit(g, (tz_vec2){p.x, p.y}, radius + ex->wide, wake, NULL);
+    s = visit(g, (tz_vec2){p.x, p.y}, radius + g->most * ex->wide, wake, NULL);
     if (s != TZ_OK)
         return s;
     tz_growth_open_place(g, texture, p.x, p.y, radius, true);
@@ -166,7 +166,7 @@ tz_status tz_brush_erase(tz_growth *g, tz_vec2 at, double radius, int32_t *remov
     tz_growth_open_place(g, 0, p.x, p.y, radius, false);
     if (removed)
         *removed = n[1];
-    return n[0] > 0 ? visit(g, c, radius + g->wide, recount, NULL) : TZ_OK;
+    return n[0] > 0 ? visit(g, c, radius + g->most * g->wide, recount, NULL) : TZ_OK;
 }
 
 /* ---- relaxing brush -------------------------------------------------------------- */

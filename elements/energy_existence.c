@@ -131,7 +131,7 @@ static tz_status find_support(census *c)
 {
     const tz_energy_state *t = c->t;
     const int32_t n = t->set->element.n;
-    const float good = (float)(0.25 * t->x->spacing * t->x->spacing);
+    const double half = 0.5 * t->x->spacing;
     int32_t *seen = NULL;
     int64_t all = 0;
     tz_status s = tz_alloc_zero(t->ctx, &seen, (size_t)n, sizeof *seen);
@@ -145,6 +145,8 @@ static tz_status find_support(census *c)
             if (e == t->owner[o])
                 continue;
             seen[e]++, all++;
+            const double reach = half * tz_domain_apart(&t->set->domain, t->at[o]);
+            const float good = (float)(reach * reach);
             c->support[e] += t->pair[at] >= 0 && p.x * p.x + p.y * p.y < good ? 1 : 0;
         }
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
@@ -172,13 +174,14 @@ static void look_about(const census *c, int32_t i, bool *crowded, bool *touched)
 {
     enum { LOOK = 16 };
     tz_nearby found[LOOK];
-    const double reach = c->t->x->spacing;
+    const double scale = tz_domain_apart(&c->t->set->domain, c->at[i]);
+    const double reach = scale * c->t->x->spacing, crowd = scale * c->crowd;
     const int32_t n = tz_cells_near(&c->cells, c->at, c->at[i], reach, i, found, LOOK);
     *crowded = *touched = false;
     for (int32_t k = 0; k < n; k++) {
         const bool gone = c->drop[found[k].id] != 0;
         *touched = *touched || gone;
-        *crowded = *crowded || (!gone && (double)found[k].dist2 < c->crowd * c->crowd);
+        *crowded = *crowded || (!gone && (double)found[k].dist2 < crowd * crowd);
     }
 }
 
@@ -237,7 +240,9 @@ static tz_status add_wishes(census *c, int32_t o)
     if (m < 0)
         return TZ_OK;
     const tz_pairing_side *side = &x->side[m];
-    const double frame = tz_energy_frame(t, t->at[o]), co = cos(frame), si = sin(frame);
+    const double frame = tz_energy_frame(t, t->at[o]);
+    const double scale = tz_domain_apart(&t->set->domain, t->at[o]);
+    const double co = scale * cos(frame), si = scale * sin(frame);
     tz_status s = TZ_OK;
     for (int32_t j = 0; j < side->n && s == TZ_OK; j++) {
         if (!tz_energy_within(x, m, j))
@@ -278,6 +283,8 @@ static tz_status count_votes(census *c)
     const tz_energy_state *t = c->t;
     const int32_t n = c->wish.n;
     const double reach = 0.35 * t->x->spacing;
+    const tz_frames *f = t->set->domain.frames;
+    const double most = f && f->apart ? f->apart_most : 1;
     tz_cells cells = {0};
     tz_vec3 *at = NULL;
     tz_nearby found[LOOK];
@@ -285,9 +292,10 @@ static tz_status count_votes(census *c)
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
         at[i] = c->wish.v[i].at;
     if (s == TZ_OK)
-        s = tz_cells_fill(t->ctx, &cells, &t->set->domain, at, n, reach);
+        s = tz_cells_fill(t->ctx, &cells, &t->set->domain, at, n, most * reach);
     for (int32_t i = 0; i < n && s == TZ_OK; i++) {
-        const int32_t k = tz_cells_near(&cells, at, at[i], reach, -1, found, LOOK);
+        const double near = reach * tz_domain_apart(&t->set->domain, at[i]);
+        const int32_t k = tz_cells_near(&cells, at, at[i], near, -1, found, LOOK);
         tz_vec3 p = at[i];
         for (int32_t j = 0; j < k; j++)
             p.x += (double)found[j].x / k, p.y += (double)found[j].y / k;
@@ -306,7 +314,9 @@ static bool is_free(const census *c, tz_vec3 at)
 {
     enum { LOOK = 16 };
     tz_nearby found[LOOK];
-    const double reach = fmax(c->crowd, 0.35 * c->t->x->spacing);
+    const double scale = tz_domain_apart(&c->t->set->domain, at);
+    const double spacing = scale * c->t->x->spacing;
+    const double reach = fmax(scale * c->crowd, 0.35 * spacing);
     const int32_t n = tz_cells_near(&c->cells, c->at, at, reach, -1, found, LOOK);
     for (int32_t k = 0; k < n; k++)
         if (!c->drop || !c->drop[found[k].id])
@@ -314,7 +324,7 @@ static bool is_free(const census *c, tz_vec3 at)
     for (int32_t k = 0; k < c->pick.n; k++) {
         const tz_vec3 p = c->wish.v[c->pick.v[k]].at;
         const tz_vec3 v = tz_domain_vector(&c->t->set->domain, at, p);
-        if (hypot(v.x, v.y) < fmax(reach, 0.7 * c->t->x->spacing))
+        if (hypot(v.x, v.y) < fmax(reach, 0.7 * spacing))
             return false;
     }
     return true;
@@ -370,7 +380,8 @@ static tz_status place_wish(census *c, wish w)
     const int32_t k = tz_energy_choose(t->x->set, &t->set->domain, w.source, w.at, &r);
     return k < 0 ? TZ_OK
                  : tz_element_set_place(t->set, t->x->set, k, w.at,
-                                        tz_energy_frame(t, w.at), 1);
+                                        tz_energy_frame(t, w.at),
+                                        tz_domain_scale(&t->set->domain, w.at));
 }
 
 /* The state of the changed set; who had a match keeps it. */
@@ -411,7 +422,9 @@ tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed)
                 .round = round,
                 .expected = tz_element_density(t->x->set, true) *
                             tz_domain_area(&t->set->domain)};
-    if (t->set->domain.zones) /* which have densities of their own: stay near them */
+    const tz_frames *f = t->set->domain.frames;
+    if (t->set->domain.zones ||
+        (f && f->apart)) /* densities of their own: stay near them */
         c.expected = n;
     tz_ctx *ctx = t->ctx;
     *changed = false;
@@ -421,7 +434,8 @@ tz_status tz_energy_existence(tz_energy_state *t, int32_t round, bool *changed)
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
         c.at[i] = t->set->element.v[i].at;
     if (s == TZ_OK)
-        s = tz_cells_fill(ctx, &c.cells, &t->set->domain, c.at, n, t->x->spacing);
+        s = tz_cells_fill(ctx, &c.cells, &t->set->domain, c.at, n,
+                          t->x->spacing * (f && f->apart ? f->apart_most : 1));
     if (s == TZ_OK)
         s = find_support(&c);
     if (s == TZ_OK)

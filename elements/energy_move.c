@@ -19,9 +19,9 @@ static const tz_sample *model_of(const tz_energy_state *t, const tz_element *e)
                : NULL;
 }
 
-/* Samples back to the pose of their model that fits them best. Without a model, or with
+/* Samples back to the pose of their model, `size` as large, that fits them best. Without a model, or with
  * very many samples, the element stays as it is. */
-static void keep_shape(tz_energy_state *t, tz_element *e)
+static void keep_shape(tz_energy_state *t, tz_element *e, double size)
 {
     const tz_sample *model = model_of(t, e);
     tz_sample *p = &t->set->sample.v[e->sample];
@@ -29,20 +29,21 @@ static void keep_shape(tz_energy_state *t, tz_element *e)
     double weight[FEW];
     if (t->shape == TZ_SHAPE_BEND || e->samples > FEW || !model)
         return;
+    const tz_element *m = &t->x->set->element.v[e->source];
     for (int32_t k = 0; k < e->samples; k++) {
-        from[k] = (tz_vec2){model[k].at.x, model[k].at.y};
+        from[k] = (tz_vec2){m->at.x + size * (model[k].at.x - m->at.x),
+                            m->at.y + size * (model[k].at.y - m->at.y)};
         to[k] = (tz_vec2){p[k].at.x, p[k].at.y};
         weight[k] = p[k].weight;
     }
-    const tz_element *m = &t->x->set->element.v[e->source];
     tz_pose pose =
         tz_pose_fit(e->samples, from, to, weight, t->shape == TZ_SHAPE_SIMILARITY);
     pose.scale = fmin(fmax(pose.scale, 0.5), 2);
     const tz_vec2 at = tz_pose_apply(pose, (tz_vec2){m->at.x, m->at.y});
     e->at = (tz_vec3){at.x, at.y, e->at.z};
     e->angle = m->angle + pose.angle;
-    e->scale = m->scale * pose.scale;
-    e->radius = m->radius * pose.scale;
+    e->scale = m->scale * pose.scale * size;
+    e->radius = m->radius * pose.scale * size;
     for (int32_t k = 0; k < e->samples; k++) {
         const tz_vec2 q = tz_pose_apply(pose, from[k]);
         p[k].at.x = q.x, p[k].at.y = q.y;
@@ -108,9 +109,17 @@ void tz_energy_move(tz_energy_state *t, tz_element *e, const tz_vec2 *move)
     e->at.x = old.x + shift.x + cos(turn) * x - sin(turn) * y;
     e->at.y = old.y + shift.y + sin(turn) * x + cos(turn) * y;
     if (e->samples > 1)
-        keep_shape(t, e);
+        keep_shape(t, e, tz_domain_scale(&t->set->domain, before));
     const tz_vec3 to = e->at;
     e->at = tz_domain_wrap(&t->set->domain, allowed(t, e, before, to));
+    /* as large as things are where it has come to */
+    const double by = tz_domain_scale(&t->set->domain, e->at) /
+                      tz_domain_scale(&t->set->domain, before);
+    e->scale *= by, e->radius *= by;
+    for (int32_t k = 0; k < e->samples && by != 1; k++) {
+        p[k].at.x = to.x + by * (p[k].at.x - to.x);
+        p[k].at.y = to.y + by * (p[k].at.y - to.y);
+    }
     for (int32_t k = 0; k < e->samples; k++) { /* samples stay beside their element */
         p[k].at.x += e->at.x - to.x, p[k].at.y += e->at.y - to.y;
         t->at[t->place[e->sample + k]] = p[k].at;
@@ -138,7 +147,8 @@ void tz_energy_elect(tz_energy_state *t, tz_element *e)
         mean.x += (double)x->a[t->vote.v[v]], mean.y += (double)x->b[t->vote.v[v]];
     mean = tz_vec2_scale(mean, 1.0 / (end - begin + 1));
     const double frame = tz_energy_frame(t, e->at);
-    const tz_vec2 q = tz_energy_attribute(x, e, frame);
+    const double size = tz_domain_scale(&t->set->domain, e->at);
+    const tz_vec2 q = tz_vec2_scale(tz_energy_attribute(x, e, frame), 1 / size);
     const double now = (q.x - mean.x) * (q.x - mean.x) + (q.y - mean.y) * (q.y - mean.y);
     double least = INFINITY;
     int32_t winner = -1;
@@ -154,6 +164,6 @@ void tz_energy_elect(tz_energy_state *t, tz_element *e)
     e->source = x->owner[winner];
     e->symbol = from->symbol;
     e->angle = from->angle + frame;
-    e->scale = from->scale;
-    e->radius = from->radius;
+    e->scale = from->scale * size;
+    e->radius = from->radius * size;
 }

@@ -47,7 +47,9 @@ typedef struct quest {
     double cost; /* of the best, with the term of Eq. (6) */
     tz_vec2 q;   /* attributes of the centre */
     double frame, cosine, sine;
-    bool border; /* Eq. (6) matters here */
+    double scale, size; /* of distances and things against the exemplar's */
+    bool plain;         /* the frame is the exemplar's */
+    bool border;        /* Eq. (6) matters here */
 } quest;
 
 double tz_energy_frame(const tz_energy_state *t, tz_vec3 at)
@@ -78,15 +80,15 @@ static void add_neighbour(quest *k, const tz_nearby *v, bool own)
     const int32_t id = v->id, label = t->label[id], j = s->n++;
     s->x[j] = v->x, s->y[j] = v->y;
     s->a[j] = (float)t->attribute[id].x, s->b[j] = (float)t->attribute[id].y;
-    if (k->frame != 0) { /* o^-1 of Eq. (7) */
-        const double cosine = k->cosine, sine = k->sine;
+    if (!k->plain) { /* o^-1 of Eq. (7) */
+        const double cosine = k->cosine / k->scale, sine = k->sine / k->scale;
         const double x = (double)v->x, y = (double)v->y;
         s->x[j] = (float)(cosine * x + sine * y);
         s->y[j] = (float)(cosine * y - sine * x);
         if (t->x->attributes) {
             const tz_element *e = &t->set->element.v[t->owner[id]];
             const tz_vec2 q = tz_energy_attribute(t->x, e, k->frame);
-            s->a[j] = (float)q.x, s->b[j] = (float)q.y;
+            s->a[j] = (float)(q.x / k->size), s->b[j] = (float)(q.y / k->size);
         }
     }
     s->l[j] = label < 0 ? -1 : (float)(label + (own ? t->x->labels : 0));
@@ -121,7 +123,7 @@ static void gather(quest *k)
             list[n++] = (tz_nearby){.x = (float)v.x, .y = (float)v.y, .id = id};
         }
     const int32_t near =
-        tz_cells_near(&t->cells, t->at, at, t->x->radius, k->o, found, NEAR);
+        tz_cells_near(&t->cells, t->at, at, k->scale * t->x->radius, k->o, found, NEAR);
     for (int32_t m = 0; m < near && n < NEAR; m++)
         if (t->owner[found[m].id] != t->owner[k->o])
             list[n++] = found[m];
@@ -144,7 +146,7 @@ static double outside(const quest *k, int32_t e)
     const tz_energy_state *t = k->t;
     const tz_pairing_side *s = &t->x->side[e];
     const tz_vec3 at = t->at[k->o];
-    const double cosine = k->cosine, sine = k->sine;
+    const double cosine = k->scale * k->cosine, sine = k->scale * k->sine;
     double sum = 0;
     for (int32_t j = 0; j < s->n; j++) {
         if (!tz_energy_within(t->x, e, j))
@@ -161,9 +163,9 @@ static double outside(const quest *k, int32_t e)
     return t->border * sum * t->x->spacing * t->x->spacing;
 }
 
-static bool at_border(const tz_energy_state *t, tz_vec3 p)
+static bool at_border(const tz_energy_state *t, tz_vec3 p, double scale)
 {
-    const double r = t->x->radius;
+    const double r = scale * t->x->radius;
     const tz_vec3 size = t->set->domain.size;
     if (!(t->border > 0))
         return false;
@@ -243,7 +245,7 @@ static void keep_pairs(const quest *k)
 {
     tz_energy_state *t = k->t;
     const tz_energy_exemplar *x = t->x;
-    const double cosine = k->cosine, sine = k->sine;
+    const double cosine = k->scale * k->cosine, sine = k->scale * k->sine;
     for (int32_t j = 0; j < t->count[k->o]; j++) {
         const ptrdiff_t at = (ptrdiff_t)k->o * NEAR + k->w->order[j];
         const int32_t m = k->best < 0 ? -1 : k->w->best_to[j];
@@ -267,8 +269,12 @@ static void search_one(tz_energy_state *t, scratch *w, search_job *job, int32_t 
     k.frame = tz_energy_frame(t, t->at[o]);
     k.cosine = k.frame != 0 ? cos(k.frame) : 1;
     k.sine = k.frame != 0 ? sin(k.frame) : 0;
-    k.q = k.frame != 0 ? tz_energy_attribute(t->x, e, k.frame) : t->attribute[o];
-    k.border = at_border(t, t->at[o]);
+    k.scale = tz_domain_apart(&t->set->domain, t->at[o]);
+    k.size = tz_domain_scale(&t->set->domain, t->at[o]);
+    k.plain = k.frame == 0 && k.scale == 1 && k.size == 1;
+    k.q = k.plain ? t->attribute[o]
+                  : tz_vec2_scale(tz_energy_attribute(t->x, e, k.frame), 1 / k.size);
+    k.border = at_border(t, t->at[o], k.scale);
     gather(&k);
     if (w->now == INT32_MAX) {
         memset(w->stamp, 0, (size_t)t->x->n * sizeof *w->stamp);
@@ -324,9 +330,10 @@ tz_status tz_energy_search(tz_energy_state *t, int32_t round, double *energy)
 {
     tz_ctx *ctx = t->ctx;
     scratch *w = NULL;
+    const tz_frames *f = t->set->domain.frames;
     search_job job = {.t = t, .round = round};
-    tz_status s =
-        tz_cells_fill(ctx, &t->cells, &t->set->domain, t->at, t->n, t->x->radius);
+    tz_status s = tz_cells_fill(ctx, &t->cells, &t->set->domain, t->at, t->n,
+                                t->x->radius * (f && f->apart ? f->apart_most : 1));
     if (s == TZ_OK)
         s = tz_alloc(ctx, &job.match, (size_t)t->n, sizeof *job.match);
     if (s == TZ_OK)

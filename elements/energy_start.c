@@ -28,8 +28,8 @@ enum {
 
 /* A thing that stands beside a cell. */
 typedef struct beside {
-    tz_vec3 at;   /* from the cell's corner, turned back as the exemplar lies */
-    double angle; /* in the local frame */
+    tz_vec3 at;           /* from the cell's corner, turned back as the exemplar lies */
+    double angle, radius; /* in the local frame */
     const tz_element *element;
 } beside;
 
@@ -91,44 +91,52 @@ static tz_status place(filler *f, int32_t source, tz_vec3 at, tz_rng *r)
     const tz_element *e = &f->from->element.v[source];
     const tz_vec3 p = f->from->sample.v[e->sample].at;
     const double turn = tz_domain_frame(d, at), c = cos(turn), s = sin(turn);
-    const double x = p.x - e->at.x, y = p.y - e->at.y;
+    const double size = tz_domain_scale(d, at);
+    const double x = size * (p.x - e->at.x), y = size * (p.y - e->at.y);
     const tz_vec3 first = {at.x + c * x - s * y, at.y + s * x + c * y, at.z};
     if (!tz_domain_contains(d, first) || taken(f, at))
         return TZ_OK;
-    return tz_element_set_place(f->to, f->from, source, at, turn, 1);
+    return tz_element_set_place(f->to, f->from, source, at, turn, size);
 }
 
 /* ---- patches --------------------------------------------------------------------- */
 
-/* A patch lies in the exemplar straight, from `corner` on; in the domain it is turned
- * about the middle of its cell by the frame there. */
-static double turn_of(const filler *f, int32_t cell)
+/* A patch lies in the exemplar straight, from `corner` on; in the domain it is turned and
+ * scaled about the middle of its cell by the frame there. */
+typedef struct frame {
+    double turn, scale;
+} frame;
+
+static bool is_plain(frame p) { return p.turn == 0 && p.scale == 1; }
+
+static frame frame_of(const filler *f, int32_t cell)
 {
     const tz_vec3 middle = {(cell % f->nx + 0.5) * f->side.x,
                             (cell / f->nx + 0.5) * f->side.y, 0};
-    return tz_domain_frame(&f->to->domain, middle);
+    return (frame){tz_domain_frame(&f->to->domain, middle),
+                   tz_domain_apart(&f->to->domain, middle)};
 }
 
-static tz_vec2 turned(const filler *f, tz_vec2 v, double turn)
+static tz_vec2 turned(const filler *f, tz_vec2 v, frame p)
 {
     const double x = v.x - 0.5 * f->side.x, y = v.y - 0.5 * f->side.y;
-    const double c = cos(turn), s = sin(turn);
+    const double c = p.scale * cos(p.turn), s = p.scale * sin(p.turn);
     return (tz_vec2){c * x - s * y + 0.5 * f->side.x, s * x + c * y + 0.5 * f->side.y};
 }
 
 /* Where element i of the exemplar comes to lie, from the cell's corner; false beyond. */
-static bool in_patch(const filler *f, int32_t i, tz_vec2 corner, double turn, tz_vec2 *v)
+static bool in_patch(const filler *f, int32_t i, tz_vec2 corner, frame p, tz_vec2 *v)
 {
     const tz_domain *d = &f->from->domain;
     const tz_vec3 q = f->from->element.v[i].at;
     *v = (tz_vec2){q.x - corner.x, q.y - corner.y};
-    if (d->torus && turn == 0) {
+    if (d->torus && is_plain(p)) {
         v->x = tz_domain_wrap_axis(v->x, d->size.x);
         v->y = tz_domain_wrap_axis(v->y, d->size.y);
-    } else if (turn != 0) {
+    } else if (!is_plain(p)) {
         const tz_vec3 middle = {0.5 * f->side.x, 0.5 * f->side.y, 0};
         const tz_vec3 way = tz_domain_vector(d, middle, (tz_vec3){v->x, v->y, 0});
-        *v = turned(f, (tz_vec2){middle.x + way.x, middle.y + way.y}, turn);
+        *v = turned(f, (tz_vec2){middle.x + way.x, middle.y + way.y}, p);
     }
     return v->x >= 0 && v->y >= 0 && v->x < f->side.x && v->y < f->side.y;
 }
@@ -196,11 +204,11 @@ static double patch_begin(tz_rng *r, double size, double side, double reach, boo
     return tz_rng_unit(r) * room + (torus ? 0 : fmin(rest, 0.5 * fmax(0, size - side)));
 }
 
-/* Extent of a turned patch along the exemplar's axes. */
-static tz_vec2 reach_of(const filler *f, double turn)
+/* Extent of a patch along the exemplar's axes. */
+static tz_vec2 reach_of(const filler *f, frame p)
 {
-    const double c = fabs(cos(turn)), s = fabs(sin(turn));
-    return turn == 0
+    const double c = fabs(cos(p.turn)) / p.scale, s = fabs(sin(p.turn)) / p.scale;
+    return is_plain(p)
                ? f->side
                : (tz_vec2){c * f->side.x + s * f->side.y, s * f->side.x + c * f->side.y};
 }
@@ -209,14 +217,14 @@ static tz_status copy_patch(filler *f, tz_vec2 from_corner, int32_t cell, tz_rng
 {
     const tz_element_set *from = f->from;
     const tz_vec2 to = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
-    const double turn = turn_of(f, cell);
-    const int32_t n = look_up(f, from_corner, reach_of(f, turn));
+    const frame p = frame_of(f, cell);
+    const int32_t n = look_up(f, from_corner, reach_of(f, p));
     tz_status s = TZ_OK;
     tz_vec2 v;
     qsort(f->found, (size_t)n, sizeof *f->found, by_number);
     for (int32_t k = 0; k < n && s == TZ_OK; k++) {
         const int32_t i = f->found[k];
-        if (in_patch(f, i, from_corner, turn, &v))
+        if (in_patch(f, i, from_corner, p, &v))
             s = place(f, i, (tz_vec3){to.x + v.x, to.y + v.y, from->element.v[i].at.z},
                       r);
     }
@@ -230,8 +238,9 @@ static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng 
     const int32_t cx = cell % f->nx, cy = cell / f->nx;
     const tz_domain *d = &f->to->domain;
     const tz_vec3 middle = {(cx + 0.5) * f->side.x, (cy + 0.5) * f->side.y, 0};
-    const double turn = turn_of(f, cell);
+    const frame p = frame_of(f, cell), back = {-p.turn, 1 / p.scale};
     int32_t seen = 0;
+    margin *= p.scale;
     for (int32_t k = 0; k < 9; k++) {
         int32_t x = cx + k % 3 - 1, y = cy + k / 3 - 1;
         if (k == 4 || (!d->torus && (x < 0 || y < 0 || x >= f->nx || y >= f->ny)))
@@ -246,12 +255,13 @@ static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng 
                 v.y > f->side.y + margin)
                 continue;
             const int32_t at = seen < BAND ? seen : tz_rng_below(r, seen + 1);
-            if (turn != 0) {
-                const tz_vec2 back = turned(f, (tz_vec2){v.x, v.y}, -turn);
-                v.x = back.x, v.y = back.y;
+            if (!is_plain(p)) {
+                const tz_vec2 q = turned(f, (tz_vec2){v.x, v.y}, back);
+                v.x = q.x, v.y = q.y;
             }
             if (at < BAND)
-                out[at] = (beside){v, e->angle - turn, e};
+                out[at] = (beside){v, e->angle - p.turn,
+                                   e->radius / tz_domain_scale(d, e->at), e};
             seen++;
         }
     }
@@ -262,12 +272,11 @@ static int32_t look_beside(const filler *f, int32_t cell, double margin, tz_rng 
  * angle even where the class is said to have none. */
 static double unlike(const filler *f, const tz_element *p, const beside *b)
 {
-    const tz_element *q = b->element;
-    const double ds = p->radius - q->radius;
+    const double ds = p->radius - b->radius;
     if (!f->from->kind.v[p->kind].oriented && p->samples == 1)
         return f->attribute * ds * ds;
-    const double x = p->radius * cos(p->angle) - q->radius * cos(b->angle);
-    const double y = p->radius * sin(p->angle) - q->radius * sin(b->angle);
+    const double x = p->radius * cos(p->angle) - b->radius * cos(b->angle);
+    const double y = p->radius * sin(p->angle) - b->radius * sin(b->angle);
     return f->attribute * (x * x + y * y);
 }
 
@@ -326,15 +335,16 @@ static bool aligned(const filler *f, const beside *v, int32_t n, tz_vec2 reach, 
 static double surplus(filler *f, tz_vec2 corner, int32_t cell, double share)
 {
     const tz_vec3 size = f->from->domain.size;
-    const double average = f->from->element.n * f->side.x * f->side.y / (size.x * size.y);
+    const frame p = frame_of(f, cell);
+    const double average = f->from->element.n * f->side.x * f->side.y /
+                           (size.x * size.y * p.scale * p.scale);
     const double excess = f->to->element.n - f->fixed_n - f->expected;
     const tz_vec2 to = {cell % f->nx * f->side.x, cell / f->nx * f->side.y};
-    const double turn = turn_of(f, cell);
-    const int32_t n = look_up(f, corner, reach_of(f, turn));
+    const int32_t n = look_up(f, corner, reach_of(f, p));
     int32_t here = 0;
     tz_vec2 v;
     for (int32_t k = 0; k < n; k++)
-        here += in_patch(f, f->found[k], corner, turn, &v) &&
+        here += in_patch(f, f->found[k], corner, p, &v) &&
                 (share == 1 || tz_domain_contains(&f->to->domain,
                                                   (tz_vec3){to.x + v.x, to.y + v.y, 0}));
     /* the first cells say little */
@@ -347,7 +357,8 @@ static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
     const tz_vec3 size = f->from->domain.size;
     const double spacing = tz_energy_spacing(f->from), limit = spacing * spacing;
     const double share = share_of(f, cell);
-    const tz_vec2 reach = reach_of(f, turn_of(f, cell));
+    const frame here = frame_of(f, cell);
+    const tz_vec2 reach = reach_of(f, here);
     tz_rng r = tz_rng_make(p->seed, tz_rng_stream(STREAM_PATCH, (uint64_t)cell, 0));
     tz_vec2 best = {patch_begin(&r, size.x, f->side.x, reach.x, f->from->domain.torus),
                     patch_begin(&r, size.y, f->side.y, reach.y, f->from->domain.torus)};
@@ -370,7 +381,7 @@ static tz_status fill_cell(filler *f, const tz_energy_params *p, int32_t cell)
     }
     tz_status s = copy_patch(f, best, cell, &r);
     f->end[cell] = f->to->element.n;
-    f->expected += share * f->density * f->side.x * f->side.y;
+    f->expected += share * f->density * f->side.x * f->side.y / (here.scale * here.scale);
     return s;
 }
 
@@ -403,7 +414,9 @@ static tz_status fill_patches(filler *f, const tz_energy_params *p, double patch
 {
     const tz_vec3 size = f->to->domain.size, whole = f->from->domain.size;
     /* a patch cannot be larger than what it is cut from, however it is turned */
-    const double part = f->to->domain.frames ? sqrt(0.5) : 1;
+    const tz_frames *frames = f->to->domain.frames;
+    const double least = frames && frames->apart ? fmin(frames->apart_least, 1) : 1;
+    const double part = frames ? sqrt(0.5) * least : 1;
     const tz_vec2 most = {part * whole.x, part * whole.y};
     const double nx = fmax(1, fmax(floor(size.x / patch + 0.5), ceil(size.x / most.x)));
     const double ny = fmax(1, fmax(floor(size.y / patch + 0.5), ceil(size.y / most.y)));
@@ -439,7 +452,11 @@ static tz_status fill_noise(filler *f, const tz_energy_params *p)
 {
     const tz_vec3 size = f->to->domain.size;
     const double spacing = tz_energy_spacing(f->from);
-    const double count = floor(size.x * size.y / (spacing * spacing) + 0.5);
+    /* as many as the densest place asks for; where it is less dense some are left out */
+    const tz_domain *d = &f->to->domain;
+    const double least = d->frames && d->frames->apart ? d->frames->apart_least : 1;
+    const double room = spacing * spacing * least * least;
+    const double count = floor(size.x * size.y / room + 0.5);
     tz_status s = TZ_OK;
     if (count > 1e8)
         return tz_fail(f->ctx, TZ_INVALID, "%g elements are too many; fill a part",
@@ -448,6 +465,9 @@ static tz_status fill_noise(filler *f, const tz_energy_params *p)
         tz_rng r = tz_rng_make(p->seed, tz_rng_stream(STREAM_NOISE, (uint64_t)i, 0));
         const int32_t source = tz_rng_below(&r, f->from->element.n);
         const double x = tz_rng_unit(&r) * size.x, y = tz_rng_unit(&r) * size.y;
+        const double scale = least / tz_domain_apart(d, (tz_vec3){x, y, 0});
+        if (scale < 1 && tz_rng_unit(&r) > scale * scale)
+            continue;
         s = tz_ctx_cancelled(f->ctx)
                 ? TZ_CANCELLED
                 : place(f, source, (tz_vec3){x, y, f->from->element.v[source].at.z}, &r);

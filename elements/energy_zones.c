@@ -55,12 +55,14 @@ static tz_status try_one(substitute *u, tz_energy_forbidden f, tz_rng *r)
             tz_energy_choose(u->from, &u->to->domain, f.source, f.at, r);
         if (source < 0)
             return TZ_OK;
-        const double room = 0.8 * own_room(u, source, f.at);
+        const double room =
+            0.8 * own_room(u, source, f.at) * tz_domain_apart(&u->to->domain, f.at);
         int32_t other;
         if (tz_grid_query(&u->grid, (tz_vec2){f.at.x, f.at.y}, room, &other, 1) > 0)
             continue;
         tz_status s = tz_element_set_place(u->to, u->from, source, f.at,
-                                           tz_domain_frame(&u->to->domain, f.at), 1);
+                                           tz_domain_frame(&u->to->domain, f.at),
+                                           tz_domain_scale(&u->to->domain, f.at));
         return s == TZ_OK
                    ? tz_grid_add(u->to->ctx, &u->grid, (tz_vec2){f.at.x, f.at.y}, &other)
                    : s;

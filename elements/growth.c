@@ -82,7 +82,7 @@ tz_status tz_growth_reserve(tz_growth *g, int64_t more)
 static tz_status make_grid(tz_growth *g)
 {
     const tz_vec3 size = g->out->domain.size;
-    double cell = 0.9 * g->spacing;
+    double cell = 0.9 * g->spacing * sqrt(g->least * g->most);
     double nx = fmax(1, floor(size.x / cell)), ny = fmax(1, floor(size.y / cell));
     while (nx * ny > CELLS) {
         cell *= 1.5;
@@ -150,13 +150,15 @@ static tz_status add_given(tz_growth *g, int32_t i)
     const bool oriented = e->kind < set->kind.n && set->kind.v[e->kind].oriented;
     int32_t texture, unit;
     const bool copy = identify(g, e, &texture, &unit);
+    const double scale = tz_domain_apart(&g->out->domain, e->at);
+    const double room = scale / tz_domain_scale(&g->out->domain, e->at);
     const tz_growth_exemplar *ex = &g->ex[texture];
     const tz_status s = tz_growth_reserve(g, 1);
     if (s != TZ_OK)
         return s;
     g->spot.v[g->spot.n] = (tz_growth_spot){.x = e->at.x,
                                             .y = e->at.y,
-                                            .r = (float)e->radius,
+                                            .r = (float)(room * e->radius),
                                             .c2 = oriented ? (float)cos(2 * e->angle) : 0,
                                             .s2 = oriented ? (float)sin(2 * e->angle) : 0,
                                             .angle = (float)e->angle,
@@ -172,14 +174,14 @@ static tz_status add_given(tz_growth *g, int32_t i)
                                             .fixed = e->fixed};
     tz_growth_link(g, g->spot.n);
     g->spot.n++;
-    g->radius = fmax(g->radius, e->radius);
+    g->radius = fmax(g->radius, room * e->radius / g->most);
     g->placed++;
     if (unit >= 0) {
         g->count[texture * TZ_GROWTH_CLASSES + ex->unit[unit].class]++;
         g->counted[texture]++;
         g->ex[texture].unit[unit].uses++;
         g->cover.count[texture] += 1;
-        tz_growth_decide_place(g, texture, e->at.x, e->at.y, 0.5 * ex->spacing);
+        tz_growth_decide_place(g, texture, e->at.x, e->at.y, 0.5 * scale * ex->spacing);
         tz_growth_enqueue(g, i);
     }
     return TZ_OK;
@@ -199,9 +201,10 @@ static void match_given(tz_growth *g, int32_t i)
         return;
     tz_growth_look(g, q->x, q->y, ex->reach, i, &view);
     for (int32_t k = 0; k < ex->n; k += step) {
+        const float r = q->r / (float)view.scale;
         const float cost = tz_growth_match(ex, k, view.v, view.n, INFINITY, &used, NULL) +
                            (ex->unit[k].whole ? 0 : 0.1F) +
-                           fabsf(ex->unit[k].r - q->r) / (ex->unit[k].r + q->r);
+                           fabsf(ex->unit[k].r - r) / (ex->unit[k].r + r);
         if (ex->unit[k].kind == q->kind && cost < least)
             least = cost, q->match = k;
     }
@@ -291,6 +294,9 @@ tz_status tz_growth_open(tz_ctx *ctx, const tz_element_set *palette,
     g->ctx = ctx;
     g->params = *params;
     g->out = output;
+    const tz_frames *f = output->domain.frames;
+    g->least = f && f->apart ? f->apart_least : 1;
+    g->most = f && f->apart ? f->apart_most : 1;
     g->textures = n;
     g->box_hi = (tz_vec2){size.x, size.y};
     s = prepare(g, palette, texture, closed);
@@ -467,6 +473,11 @@ int32_t tz_growth_texture_at(const tz_growth *g, double x, double y)
     return -1;
 }
 
+static double scale_at(const tz_growth *g, double x, double y)
+{
+    return tz_domain_apart(&g->out->domain, (tz_vec3){x, y, 0});
+}
+
 /* A place that no seed has reached. If the output is dense enough and the exemplar has
  * holes as wide it stays empty. */
 static tz_status start(tz_growth *g)
@@ -494,13 +505,15 @@ static tz_status start(tz_growth *g)
         if (first || gap >= hole || tz_growth_error(g, t) < 0)
             s = start_at(g, t, x, y, first, &started);
         if (!started && s == TZ_OK)
-            tz_growth_decide_place(g, t, x, y, start_step * ex->spacing);
+            tz_growth_decide_place(g, t, x, y,
+                                   start_step * ex->spacing * scale_at(g, x, y));
     }
     if (!started && s == TZ_OK) { /* scraps behind those that have started: empty */
         int64_t from = 0;
         while (tz_growth_next_open(g, &from, &x, &y)) {
             const int32_t t = tz_growth_texture_at(g, x, y);
-            tz_growth_decide_place(g, t < 0 ? 0 : t, x, y, start_step * g->spacing);
+            tz_growth_decide_place(g, t < 0 ? 0 : t, x, y,
+                                   start_step * g->spacing * scale_at(g, x, y));
         }
     }
     g->phase = started ? GROW : CLOSE;

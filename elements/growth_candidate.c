@@ -145,7 +145,8 @@ static void count_first(tz_growth *g, int32_t spot, const tz_growth_view *view)
         n->first += tz_growth_far(u, o->x, o->y, o->r) <= u->wide;
         if (q->match >= 0 && q->texture == n->texture) {
             const tz_growth_unit *e = &ex->unit[q->match];
-            const bool in = tz_growth_far(e, o->x, o->y, n->r) <= e->wide;
+            const float r = n->r / (float)view->scale;
+            const bool in = tz_growth_far(e, o->x, o->y, r) <= e->wide;
             q->first += in;
             if (in && q->waiting && q->visits < VISITS)
                 tz_growth_enqueue(g, o->spot);
@@ -162,29 +163,32 @@ tz_status tz_growth_place(tz_growth *g, int32_t texture, int32_t unit, int32_t s
     const double z = real ? ex->set->element.v[u->source].at.z : 0;
     const tz_vec3 at = tz_domain_wrap(&g->out->domain, (tz_vec3){x, y, z});
     const double turn = tz_domain_frame(&g->out->domain, at);
+    const double size = tz_domain_scale(&g->out->domain, at);
     const float c = (float)cos(2 * turn), s2 = (float)sin(2 * turn);
     tz_status s = tz_growth_reserve(g, 1);
     if (s == TZ_OK && real)
-        s = tz_element_set_place(g->out, ex->set, u->source, at, turn, ex->texture.scale);
+        s = tz_element_set_place(g->out, ex->set, u->source, at, turn,
+                                 ex->texture.scale * size);
     if (s != TZ_OK)
         return s;
     if (real && ex->torus) /* what a period's frame cuts is drawn whole */
         g->out->element.v[g->out->element.n - 1].cut = false;
     const int32_t i = g->spot.n++;
-    g->spot.v[i] = (tz_growth_spot){.x = at.x,
-                                    .y = at.y,
-                                    .r = u->r,
-                                    .c2 = c * u->c2 - s2 * u->s2,
-                                    .s2 = s2 * u->c2 + c * u->s2,
-                                    .angle = u->angle + (float)turn,
-                                    .kind = u->kind,
-                                    .symbol = u->symbol,
-                                    .hard = u->hard,
-                                    .texture = texture,
-                                    .copy = shown,
-                                    .match = unit,
-                                    .out = real ? g->out->element.n - 1 : -1,
-                                    .node = -1};
+    g->spot.v[i] =
+        (tz_growth_spot){.x = at.x,
+                         .y = at.y,
+                         .r = u->r * (float)tz_domain_apart(&g->out->domain, at),
+                         .c2 = c * u->c2 - s2 * u->s2,
+                         .s2 = s2 * u->c2 + c * u->s2,
+                         .angle = u->angle + (float)turn,
+                         .kind = u->kind,
+                         .symbol = u->symbol,
+                         .hard = u->hard,
+                         .texture = texture,
+                         .copy = shown,
+                         .match = unit,
+                         .out = real ? g->out->element.n - 1 : -1,
+                         .node = -1};
     tz_growth_link(g, i);
     tz_growth_enqueue(g, i);
     g->round[g->rounds++] = i;

@@ -144,13 +144,16 @@ static disc disc_of(const tz_growth *g, const tz_growth_spot *q, int32_t unit)
 {
     const tz_growth_exemplar *ex = &g->ex[q->texture];
     const tz_growth_unit *u = &ex->unit[unit];
-    disc d = {.x = q->x, .y = q->y, .r = u->wide, .c = 1};
+    const double scale = tz_domain_apart(&g->out->domain, (tz_vec3){q->x, q->y, 0});
+    disc d = {.x = q->x, .y = q->y, .r = u->wide * scale, .c = 1};
     if (!ex->torus && !u->known) {
         const double rim = beyond * u->spacing;
         const double turn = tz_domain_frame(&g->out->domain, (tz_vec3){q->x, q->y, 0});
         d.cut = true;
-        d.lo = (tz_vec2){ex->lo.x - rim - u->x, ex->lo.y - rim - u->y};
-        d.hi = (tz_vec2){ex->hi.x + rim - u->x, ex->hi.y + rim - u->y};
+        d.lo =
+            (tz_vec2){scale * (ex->lo.x - rim - u->x), scale * (ex->lo.y - rim - u->y)};
+        d.hi =
+            (tz_vec2){scale * (ex->hi.x + rim - u->x), scale * (ex->hi.y + rim - u->y)};
         d.c = cos(turn), d.s = sin(turn);
     }
     return d;
@@ -166,7 +169,8 @@ static double due_in(const tz_growth *g, int32_t texture, double x, double y, in
         share = (double)c->share[texture * ZONES +
                                  z->zone[tz_raster_at(&z->raster, (tz_vec3){x, y, 0})]];
     }
-    return n * c->step_x * c->step_y * g->ex[texture].density * share;
+    const double scale = tz_domain_apart(&g->out->domain, (tz_vec3){x, y, 0});
+    return n * c->step_x * c->step_y * g->ex[texture].density * share / (scale * scale);
 }
 
 static const uint64_t *zone_of(const tz_growth *g, int32_t texture)
@@ -176,7 +180,9 @@ static const uint64_t *zone_of(const tz_growth *g, int32_t texture)
 
 float tz_growth_undecided(tz_growth *g, const tz_growth_spot *q)
 {
-    const disc d = {.x = q->x, .y = q->y, .r = g->ex[q->texture].unit[q->match].wide};
+    const double scale = tz_domain_apart(&g->out->domain, (tz_vec3){q->x, q->y, 0});
+    const disc d = {
+        .x = q->x, .y = q->y, .r = scale * g->ex[q->texture].unit[q->match].wide};
     const double all = TZ_PI * d.r * d.r / (g->cover.step_x * g->cover.step_y);
     return (float)(walk(g, &d, COUNT, zone_of(g, q->texture)) / all);
 }
@@ -263,7 +269,7 @@ bool tz_growth_may_stand(const tz_growth *g, int32_t texture, const tz_growth_un
         !tz_growth_may_go(g, texture, x, y))
         return false;
     if (real && g->params.inside > 0 &&
-        tz_domain_depth(d, p) < g->params.inside * (double)u->r)
+        tz_domain_depth(d, p) < g->params.inside * (double)u->r * tz_domain_scale(d, p))
         return false;
     return !real || tz_domain_allows(d, p, u->kind);
 }
@@ -359,7 +365,7 @@ tz_status tz_growth_cover_init(tz_growth *g, bool closed)
 {
     tz_growth_cover *c = &g->cover;
     const tz_vec3 size = g->out->domain.size;
-    double step = cell * g->spacing;
+    double step = cell * g->spacing * g->least;
     while (size.x / step * (size.y / step) > CELLS)
         step *= 1.25;
     c->nx = (int32_t)fmax(1, ceil(size.x / step - 1e-9));

@@ -125,10 +125,12 @@ static void look(const tz_growth *g, double x, double y, double radius,
     view->n = n;
 }
 
+/* In units of the local frame. */
 static float depth_at(const tz_growth *g, double x, double y)
 {
     const tz_domain *d = &g->out->domain;
-    return (float)fmin(1e30, tz_domain_depth(d, tz_domain_wrap(d, (tz_vec3){x, y, 0})));
+    const tz_vec3 at = tz_domain_wrap(d, (tz_vec3){x, y, 0});
+    return (float)fmin(1e30, tz_domain_depth(d, at) / tz_domain_apart(d, at));
 }
 
 /* From a place to the widest one near it. */
@@ -237,7 +239,7 @@ static tz_status fill(tz_growth *g, int32_t texture, double x, double y, double 
 tz_status tz_growth_close_holes(tz_growth *g, bool *started)
 {
     const tz_vec2 size = tz_vec2_sub(g->box_hi, g->box_lo);
-    const double apart = step * g->spacing;
+    const double apart = step * g->spacing * g->least;
     const int32_t nx = (int32_t)fmin(16384, fmax(1, ceil(size.x / apart)));
     const int32_t ny = (int32_t)fmin(16384, fmax(1, ceil(size.y / apart)));
     tz_growth_view view;

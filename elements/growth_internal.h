@@ -98,7 +98,8 @@ typedef struct tz_growth_exemplar {
     tz_vec2 size;   /* of the exemplar's period, or its domain */
 } tz_growth_exemplar;
 
-/** Element of the output, or a void. */
+/** Element of the output, or a void. Where frames thin the output out, its radius is that
+ * of the room that it has: larger than the element's by as much as distances are. */
 typedef struct tz_growth_spot {
     double x, y;
     float r, c2, s2, angle;
@@ -121,9 +122,11 @@ typedef struct tz_growth_seen {
     int32_t kind, symbol, hard, texture, spot, copy;
 } tz_growth_seen;
 
-/** All in the local frame of the place. */
+/** All in the local frame of the place, which is turned and scaled: one unit of it is one
+ * of the exemplar. */
 typedef struct tz_growth_view {
-    float c, s; /* of the frame's angle */
+    float c, s;   /* of the frame's angle */
+    double scale; /* of its unit in the world */
     int32_t n;
     tz_growth_seen v[TZ_GROWTH_SEEN];
 } tz_growth_view;
@@ -160,6 +163,7 @@ struct tz_growth {
     tz_growth_exemplar *ex;
     int32_t textures;
     double spacing, radius, reach, wide; /* least of all textures; largest */
+    double least, most; /* scale of frames: a unit of an exemplar in the world */
     tz_element_set *out;
     tz_extents extents; /* of the palette's symbols */
     bool *disc;
@@ -218,7 +222,8 @@ void tz_growth_resume(tz_growth *g, tz_vec2 at, double radius);
 void tz_growth_rest(tz_growth *g);
 /** Starts a texture at a place unless it has elements within `gap`. */
 tz_status tz_growth_seed(tz_growth *g, int32_t texture, double x, double y, double gap);
-/** Radius of the disc about a place that touches no element; up to `most`. */
+/** Radius of the disc about a place that touches no element; up to `most`. Both in units of
+ * the local frame. */
 double tz_growth_gap(const tz_growth *g, double x, double y, double most);
 /** The texture that grows at a place; of several by lot, -1 = none. */
 int32_t tz_growth_texture_at(const tz_growth *g, double x, double y);
@@ -258,7 +263,8 @@ bool tz_growth_next_open(const tz_growth *g, int64_t *from, double *x, double *y
 
 /* ---- growth_match.c -------------------------------------------------------------- */
 
-/** What can be seen from x, y within `radius`; `but` is left out at its own place. */
+/** What can be seen from x, y within `radius`, in units of the local frame; `but` is left
+ * out at its own place. */
 void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32_t but,
                     tz_growth_view *view);
 /** Cost of seeing what of one's own texture is there where the neighbourhood of unit `u`
@@ -302,12 +308,13 @@ int32_t tz_growth_nearest(const tz_growth_exemplar *ex, int32_t u,
 /** Vector of a view in the world, and back. */
 static inline tz_vec2 tz_growth_out(const tz_growth_view *w, float x, float y)
 {
-    return (tz_vec2){(double)(w->c * x - w->s * y), (double)(w->s * x + w->c * y)};
+    return (tz_vec2){w->scale * (double)(w->c * x - w->s * y),
+                     w->scale * (double)(w->s * x + w->c * y)};
 }
 static inline tz_vec2 tz_growth_in(const tz_growth_view *w, double x, double y)
 {
-    return (tz_vec2){(double)w->c * x + (double)w->s * y,
-                     (double)w->c * y - (double)w->s * x};
+    return (tz_vec2){((double)w->c * x + (double)w->s * y) / w->scale,
+                     ((double)w->c * y - (double)w->s * x) / w->scale};
 }
 
 /* ---- growth_candidate.c ---------------------------------------------------------- */

@@ -57,15 +57,18 @@ static int32_t clamped(double c, int32_t lo, int32_t hi)
     return c <= lo ? lo : c >= hi ? hi : (int32_t)floor(c);
 }
 
-/* Into the local frame, whose angle is given. */
-static void turn_in(tz_growth_view *view, double angle)
+/* Into the local frame, whose angle and scale are given. */
+static void turn_in(tz_growth_view *view, double angle, double scale)
 {
     view->c = (float)cos(angle), view->s = (float)sin(angle);
+    view->scale = scale;
     const float c = (float)cos(2 * angle), s = (float)sin(2 * angle);
     for (int32_t i = 0; i < view->n; i++) {
         tz_growth_seen *o = &view->v[i];
         const float x = o->x, y = o->y, c2 = o->c2, s2 = o->s2;
-        o->x = view->c * x + view->s * y, o->y = view->c * y - view->s * x;
+        o->x = (view->c * x + view->s * y) / (float)scale;
+        o->y = (view->c * y - view->s * x) / (float)scale;
+        o->r /= (float)scale;
         o->c2 = c * c2 + s * s2, o->s2 = c * s2 - s * c2;
         o->angle -= (float)angle;
     }
@@ -76,7 +79,9 @@ void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32
 {
     const bool torus = g->out->domain.torus;
     const int32_t turns = torus ? 3 : 0; /* copies seen of a domain narrower than that */
-    const double wide = radius + g->radius;
+    const double scale = tz_domain_apart(&g->out->domain, (tz_vec3){x, y, 0});
+    radius *= scale;
+    const double wide = radius + g->most * g->radius;
     const int32_t lo_x = -turns * g->nx, hi_x = (turns + 1) * g->nx - 1;
     const int32_t lo_y = -turns * g->ny, hi_y = (turns + 1) * g->ny - 1;
     const int32_t x0 = clamped((x - wide) / g->cell_x, lo_x, hi_x);
@@ -94,9 +99,9 @@ void tz_growth_look(const tz_growth *g, double x, double y, double radius, int32
             look_in(g, cell, from, (float)radius, but, view);
         }
     }
-    view->c = 1, view->s = 0;
+    view->c = 1, view->s = 0, view->scale = 1;
     if (g->out->domain.frames)
-        turn_in(view, tz_domain_frame(&g->out->domain, (tz_vec3){x, y, 0}));
+        turn_in(view, tz_domain_frame(&g->out->domain, (tz_vec3){x, y, 0}), scale);
 }
 
 /* ---- how it fits ----------------------------------------------------------------- */

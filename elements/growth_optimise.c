@@ -77,7 +77,7 @@ static int32_t predict(tz_growth *g, int32_t spot, tz_growth_view *view, predict
         p[n++] = (prediction){view->v[i].spot, (float)e.x, (float)e.y, 0};
     }
     if (n)
-        weigh(p, n, u->spacing, unsure / (unsure + cost));
+        weigh(p, n, u->spacing * (float)view->scale, unsure / (unsure + cost));
     return n;
 }
 
@@ -89,7 +89,8 @@ static bool collides(const tz_growth *g, int32_t spot, double dx, double dy,
     const tz_growth_spot *q = &g->spot.v[spot];
     const tz_growth_exemplar *ex = &g->ex[q->texture];
     const float turned = atan2f(view->s, view->c);
-    const tz_growth_body body = {q->r, q->angle - turned, q->hard, q->symbol};
+    const tz_growth_body body = {q->r / (float)view->scale, q->angle - turned, q->hard,
+                                 q->symbol};
     for (int32_t i = 0; i < view->n; i++) {
         const tz_growth_seen *o = &view->v[i];
         const float bound = tz_growth_bound(ex, &body, o);
@@ -121,6 +122,17 @@ static void turn(tz_growth *g, tz_growth_spot *q, double angle)
     q->c2 = (float)(c2 * a - s2 * b), q->s2 = (float)(s2 * a + c2 * b);
 }
 
+/* The same with their size. */
+static void scale(tz_growth *g, const tz_growth_spot *q, double by)
+{
+    tz_element *e = &g->out->element.v[q->out];
+    for (int32_t k = e->sample; k < e->sample + e->samples; k++) {
+        tz_vec3 *p = &g->out->sample.v[k].at;
+        p->x = e->at.x + by * (p->x - e->at.x), p->y = e->at.y + by * (p->y - e->at.y);
+    }
+    e->scale *= by, e->radius *= by;
+}
+
 static void shift(tz_growth *g, int32_t spot, double dx, double dy)
 {
     tz_growth_spot *q = &g->spot.v[spot];
@@ -137,7 +149,11 @@ static void shift(tz_growth *g, int32_t spot, double dx, double dy)
         e->at.x = to.x, e->at.y = to.y;
         if (d->frames)
             turn(g, q, tz_domain_frame(d, to) - tz_domain_frame(d, from));
+        if (d->frames && d->frames->size)
+            scale(g, q, tz_domain_scale(d, to) / tz_domain_scale(d, from));
     }
+    if (d->frames && d->frames->apart)
+        q->r *= (float)(tz_domain_apart(d, to) / tz_domain_apart(d, from));
     q->x = to.x, q->y = to.y;
     tz_growth_link(g, spot);
 }
@@ -150,20 +166,21 @@ static bool may_go(const tz_growth *g, const tz_growth_spot *q, double x, double
     return tz_domain_contains(d, p) && tz_growth_may_go(g, q->texture, p.x, p.y) &&
            (q->out < 0 || tz_domain_allows(d, p, q->kind)) &&
            (g->params.inside <= 0 || q->out < 0 ||
-            tz_domain_depth(d, p) >= g->params.inside * (double)q->r);
+            tz_domain_depth(d, p) >= g->params.inside * g->out->element.v[q->out].radius);
 }
 
 void tz_growth_move(tz_growth *g, int32_t spot, double dx, double dy)
 {
     const tz_growth_spot *q = &g->spot.v[spot];
     const tz_growth_unit *u = &g->ex[q->texture].unit[q->match];
-    const double most = farthest * u->spacing, d = hypot(dx, dy);
+    const double unit = tz_domain_apart(&g->out->domain, (tz_vec3){q->x, q->y, 0});
+    const double most = farthest * u->spacing * unit, d = hypot(dx, dy);
     tz_growth_view view;
     if (q->fixed || !(d > least * most))
         return;
     if (d > most)
         dx *= most / d, dy *= most / d;
-    tz_growth_look(g, q->x, q->y, u->clear + most, spot, &view);
+    tz_growth_look(g, q->x, q->y, u->clear + most / unit, spot, &view);
     for (int32_t halved = 0; halved < 2; halved++, dx *= 0.5, dy *= 0.5) {
         const tz_vec2 v = tz_growth_in(&view, dx, dy);
         if (may_go(g, q, q->x + dx, q->y + dy) && !collides(g, spot, v.x, v.y, &view)) {
@@ -205,9 +222,11 @@ static void add_answer(tz_growth *g, int32_t spot, const tz_growth_view *view,
     if (p->match < 0 || p->node < 0 || p->texture != g->spot.v[spot].texture)
         return;
     const tz_growth_exemplar *ex = &g->ex[p->texture];
-    tz_growth_view its = {.c = 1};
+    tz_growth_view its = {.c = 1, .scale = 1};
     if (g->out->domain.frames) {
-        const double a = tz_domain_frame(&g->out->domain, (tz_vec3){p->x, p->y, 0});
+        const tz_vec3 place = {p->x, p->y, 0};
+        const double a = tz_domain_frame(&g->out->domain, place);
+        its.scale = tz_domain_apart(&g->out->domain, place);
         its.c = (float)cos(a), its.s = (float)sin(a);
     }
     const tz_vec2 at = tz_growth_out(view, o->x, o->y);

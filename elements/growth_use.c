@@ -103,11 +103,14 @@ tz_status tz_growth_find_others(tz_ctx *ctx, tz_growth_exemplar *ex)
 
 /* ---- what is shown ------------------------------------------------------------------- */
 
-/* Distances to the nearest copies of the candidates within `far`. */
+/* Distances to the nearest copies of the candidates within `far`, in units of the local
+ * frame. */
 static void look_for(tz_growth *g, const tz_growth_exemplar *ex, double x, double y,
                      double far)
 {
     const tz_domain *d = &g->out->domain;
+    const double scale = tz_domain_apart(d, (tz_vec3){x, y, 0});
+    far *= scale;
     const int32_t wx = (int32_t)fmin(g->nx, ceil(far / g->cell_x)),
                   wy = (int32_t)fmin(g->ny, ceil(far / g->cell_y));
     const int32_t cx = (int32_t)floor(x / g->cell_x), cy = (int32_t)floor(y / g->cell_y);
@@ -124,7 +127,8 @@ static void look_for(tz_growth *g, const tz_growth_exemplar *ex, double x, doubl
                 const tz_vec3 v =
                     tz_domain_vector(d, (tz_vec3){x, y, 0}, (tz_vec3){q->x, q->y, 0});
                 tz_growth_unit *u = &ex->unit[q->copy];
-                u->recent = fminf(u->recent, hypotf((float)v.x, (float)v.y));
+                u->recent =
+                    fminf(u->recent, hypotf((float)v.x, (float)v.y) / (float)scale);
             }
         }
 }

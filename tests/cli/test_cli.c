@@ -286,7 +286,7 @@ static void usage_errors_exit_2(void **state)
 {
     (void)state;
     static const char *const line[][2] = {
-        {"expand mud.png -o x.png --sizee 7x7", "did you mean --size?"},
+        {"expand mud.png -o x.png --sizze 7x7", "did you mean --size?"},
         {"expand mud.png -o x.png --wibble-wobble", "unknown option --wibble-wobble"},
         {"expnad mud.png", "did you mean expand"},
         {"expand", "use: terrazzo expand"},
@@ -347,7 +347,7 @@ static void completions_know_the_options(void **state)
            "echo ${COMPREPLY[@]}; COMP_WORDS=(terrazzo re); COMP_CWORD=1; _terrazzo; "
            "echo ${COMPREPLY[@]}; COMP_WORDS=(terrazzo expand x --format t); "
            "COMP_CWORD=4; _terrazzo; echo ${COMPREPLY[@]}'");
-    assert_string_equal(out_text, "--size-range --size\nrender replay\ntiff\n");
+    assert_string_equal(out_text, "--size-range --sizes --size\nrender replay\ntiff\n");
     assert_exit(0, "$T params --format zsh >c.zsh && grep -q -e --save-layout c.zsh");
     if (sh("command -v zsh") == 0)
         assert_exit(0, "zsh -n c.zsh");
