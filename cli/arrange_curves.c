@@ -109,13 +109,14 @@ static tz_status check_options(run_state *r)
                             *g->textures ? "--textures"
                             : *g->brush  ? "--brush"
                                          : "--zones");
-    if (foretells && (*g->domain || *g->field || *r->job->draw->given))
+    if (foretells && (*g->domain || *g->field || *g->directions || *g->sizes ||
+                      *g->densities || *r->job->draw->given))
         return tz_cli_usage(cli,
                             "%s: the drawing itself is worked on with --complete and "
                             "--clone",
-                            *g->domain  ? "--domain"
-                            : *g->field ? "--field"
-                                        : "--given");
+                            *g->domain             ? "--domain"
+                            : *r->job->draw->given ? "--given"
+                                                   : "--field");
     if (foretells && (*r->job->watch->trace || *r->job->watch->samples))
         return tz_cli_usage(cli, "--trace and --samples watch whole layouts, not "
                                  "--complete and --clone");
@@ -376,6 +377,8 @@ tz_status tz_arrange_curves(tz_cli *cli, const tz_curves_job *job)
         s = name_output(&r, &d);
     if (s == TZ_OK)
         s = tz_guides_read(cli, job->guides, &r.e.set.element, &r.record, &d, &r.guides);
+    if (s == TZ_OK)
+        s = tz_guides_only_turn(cli, &r.guides);
     if (s == TZ_OK)
         s = tz_curve_exemplar_write_plate(cli, &r.e);
     if (s == TZ_OK)

@@ -216,6 +216,20 @@ tz_status tz_guides_frames(tz_cli *cli, const tz_guide_params *p, tz_record *rec
     return s;
 }
 
+tz_status tz_guides_only_turn(tz_cli *cli, tz_guides *g)
+{
+    if (!g->frames || !g->frames->apart)
+        return TZ_OK;
+    if (!g->frames->turned)
+        return tz_fail(cli->ctx, TZ_INVALID,
+                       "the field says sizes or densities but no directions, and curves "
+                       "follow directions alone; let strokes say some");
+    tz_warn(cli->ctx, "curves follow the directions of the field alone; its sizes and "
+                      "densities are left out");
+    tz_frames_drop_sizes(g->frames);
+    return TZ_OK;
+}
+
 static tz_status read_zones(tz_cli *cli, const tz_guide_params *p,
                             const tz_element_set *set, const tz_domain *d, tz_guides *g)
 {

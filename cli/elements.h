@@ -71,6 +71,10 @@ tz_status tz_guides_read(tz_cli *cli, const tz_guide_params *p,
 /** Frames of --field, --directions, --sizes and --densities; NULL where none is given. */
 tz_status tz_guides_frames(tz_cli *cli, const tz_guide_params *p, tz_record *record,
                            tz_vec3 size, bool torus, tz_frames **out);
+/** For curves, whose patches turn but keep their size: warns where frames say more than
+ * directions, and leaves that out.
+ * @return TZ_OK; TZ_INVALID where they say no directions */
+tz_status tz_guides_only_turn(tz_cli *cli, tz_guides *g);
 /** Every guide that is a file, as inputs that must not be overwritten. */
 tz_status tz_guides_paths(tz_cli *cli, const tz_guide_params *p, tz_path_list *inputs);
 void tz_guides_free(tz_guides *g);

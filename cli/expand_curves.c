@@ -156,6 +156,8 @@ static tz_status prepare(run_state *r, bool known)
         s = tz_guides_read(cli, j->guides, &r->exemplar.set.element, &r->record,
                            &r->domain, &r->guides);
     if (s == TZ_OK)
+        s = tz_guides_only_turn(cli, &r->guides);
+    if (s == TZ_OK)
         s = tz_curve_exemplar_write_plate(cli, &r->exemplar);
     if (s == TZ_OK)
         s = take_photos(r);

@@ -353,6 +353,15 @@ tz_status tz_frames_add_sizes(tz_frames *f, const tz_element_field *field)
     return s;
 }
 
+void tz_frames_drop_sizes(tz_frames *f)
+{
+    tz_free(f->ctx, f->size);
+    tz_free(f->ctx, f->apart);
+    f->size = f->apart = NULL;
+    f->apart_least = f->apart_most = 1;
+    f->thinned = false;
+}
+
 tz_status tz_frames_from_field(const tz_element_field *field, tz_frames **out)
 {
     saying q = {.what = 0, .parts = 2};

@@ -48,6 +48,8 @@ TZ_API tz_status tz_frames_from_field(const struct tz_element_field *field,
 /** Takes over sizes and densities alone; where the field says none, nothing changes.
  * @return TZ_OK; TZ_INVALID; TZ_NOMEM; frames are unchanged on error */
 TZ_API tz_status tz_frames_add_sizes(tz_frames *f, const struct tz_element_field *field);
+/** Back to directions alone. */
+TZ_API void tz_frames_drop_sizes(tz_frames *f);
 /** Reads what elements/field.h reads: an SVG of strokes, or an image of directions.
  * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_INVALID (no strokes, names the file); TZ_NOMEM */
 TZ_API tz_status tz_frames_read(tz_ctx *ctx, const char *path, tz_vec3 size, bool torus,
