@@ -12,6 +12,7 @@
 #include "cli/figures.h"
 #include "cli/material.h"
 #include "elements/element_io.h"
+#include "fields/fill_paint.h"
 #include "fields/mix.h"
 #include "synthesis/element_ground.h"
 #include "synthesis/expand.h"
@@ -20,7 +21,8 @@ typedef struct own_params {
     char domain[TZ_PARAM_STRING_SIZE], field[TZ_PARAM_STRING_SIZE],
         directions[TZ_PARAM_STRING_SIZE], sizes[TZ_PARAM_STRING_SIZE],
         densities[TZ_PARAM_STRING_SIZE], mix[TZ_PARAM_STRING_SIZE],
-        keep[TZ_PARAM_STRING_SIZE];
+        keep[TZ_PARAM_STRING_SIZE], brush[TZ_PARAM_STRING_SIZE];
+    double brush_radius;
     int32_t size[2];
     bool tile, preview;
     int32_t count;
@@ -63,8 +65,14 @@ static const tz_param own_rows[] = {
      "rigidity=20 size=0.5..2, stone:1 turn=90 jitter=10\"; else tz:mix of the palette's "
      "<svg>, else all in equal shares."},
     {"keep", TZ_PARAM_STRING, AT(keep), 0, 0, "", "FILE", NULL,
-     "Layout whose elements that were moved by hand stay and are filled around; it sets "
-     "the size."},
+     "Layout whose elements that were moved by hand stay and are filled around; with "
+     "--brush all that it holds stays. It sets the size."},
+    {"brush", TZ_PARAM_STRING, AT(brush), 0, 0, "", "FILE", NULL,
+     "SVG of strokes that are painted instead of filling the domain: black adds, red "
+     "erases, magenta replaces, blue relaxes; op=, entry= and size= stand in their "
+     "tz:class. What lies beside settles, the rest is held."},
+    {"brush-radius", TZ_PARAM_DOUBLE, AT(brush_radius), 0, 1e9, "0", "", NULL,
+     "Radius of all strokes of --brush, user units; 0 = half of each stroke's width."},
     {"size", TZ_PARAM_SIZE, AT(size), 0, 1 << 24, "0x0", "", NULL,
      "Of the layout, units of the palette; 0x0 = that of --domain, else 1024x1024."},
     {"tile", TZ_PARAM_BOOL, AT(tile), 0, 1, "false", "", NULL,
@@ -101,6 +109,7 @@ typedef struct run_state {
     tz_element_set layout, kept;
     tz_region *region;
     tz_element_field field;
+    tz_fill_paint paint;
     tz_mix mix;
     tz_domain domain;
     char *path;
@@ -213,6 +222,11 @@ static tz_status read_field(run_state *r)
                                  : tz_element_field_read_image(
                                        &r->field, path, TZ_ELEMENT_FIELD_DIRECTION);
     }
+    if (s == TZ_OK && *own->brush && (s = add_input(r, own->brush)) == TZ_OK)
+        s = tz_fill_paint_read(r->cli->ctx, tz_cli_find(r->cli, own->brush),
+                               r->domain.size, own->brush_radius, &r->paint);
+    if (s == TZ_OK)
+        s = tz_fill_paint_say(&r->paint, &r->field);
     return s == TZ_OK ? tz_element_field_settle(&r->field) : s;
 }
 
@@ -313,15 +327,17 @@ static tz_status open_trace(run_state *r)
 
 /* ---- the work ------------------------------------------------------------------------ */
 
-/** Hand-placed elements of the kept layout. */
+/** Brushes work on all that the kept layout holds; else what was placed by hand stays and
+ * the rest is filled anew. */
 static tz_status put_kept(run_state *r)
 {
+    const bool all = *r->v->own.brush != 0;
     tz_element_set *to = &r->layout;
     tz_status s = TZ_OK;
     for (int32_t i = 0; i < r->kept.element.n && s == TZ_OK; i++) {
         tz_element e = r->kept.element.v[i];
         const int32_t first = e.sample;
-        if (!e.fixed)
+        if (!(all || e.fixed))
             continue;
         if (e.source >= r->palette.set.element.n)
             e.source = -1;
@@ -347,6 +363,31 @@ static void put_figures(run_state *r, const tz_fill_report *f)
     tz_figures_text(r->cli, "filled", text);
 }
 
+/** Strokes of --brush on what is kept, or on nothing. */
+static tz_status paint(run_state *r, const tz_fill_job *job, tz_fill_report *report)
+{
+    enum { SETTLE = 24 }; /* iterations about a stroke */
+    tz_ctx *ctx = r->cli->ctx;
+    tz_fill *f = NULL;
+    const double start = tz_seconds();
+    tz_fill_job empty = *job;
+    empty.count = -1;
+    tz_status s = tz_fill_begin(ctx, &empty, &r->layout, &f);
+    if (s == TZ_OK)
+        s = tz_fill_paint_apply(&r->paint, f,
+                                job->params->iterations < SETTLE ? job->params->iterations
+                                                                 : SETTLE);
+    if (s == TZ_OK)
+        s = tz_fill_write(f, &r->layout);
+    tz_fill_end(f);
+    *report = (tz_fill_report){.elements = r->layout.element.n};
+    if (s == TZ_OK && r->layout.element.n > 0)
+        s = tz_fill_measure(ctx, &r->layout, job->palette, job->field, 0, report);
+    report->samples = r->layout.sample.n;
+    report->seconds = tz_seconds() - start;
+    return s;
+}
+
 static tz_status fill(run_state *r)
 {
     tz_cli *cli = r->cli;
@@ -369,7 +410,8 @@ static tz_status fill(run_state *r)
                              .user = r};
     tz_status s = open_trace(r);
     if (s == TZ_OK)
-        s = tz_fill_run(cli->ctx, &job, &r->layout, &report);
+        s = *r->v->own.brush ? paint(r, &job, &report)
+                             : tz_fill_run(cli->ctx, &job, &r->layout, &report);
     if (r->failed != TZ_OK)
         s = r->failed;
     if (r->tracing && s == TZ_OK)
@@ -437,6 +479,7 @@ static tz_status run(tz_cli *cli)
     tz_element_set_deinit(&r.layout);
     tz_element_set_deinit(&r.kept);
     tz_element_field_deinit(&r.field);
+    tz_fill_paint_deinit(&r.paint);
     tz_region_free(r.region);
     tz_array_free(cli->ctx, &r.mix);
     tz_element_exemplar_free(cli, &r.palette);

@@ -165,6 +165,7 @@ static tz_status iterate_once(tz_fill *f, tz_fill_energy *e)
     tz_status s = tz_fill_diagram(f);
     if (s != TZ_OK || f->live.n == 0)
         return s;
+    tz_fill_release(f);
     const tz_power_cells cells = tz_power_get(f->power);
     s = tz_fill_neighbours(f, &cells);
     double pair[2];
@@ -244,7 +245,7 @@ tz_status tz_fill_write(const tz_fill *f, tz_element_set *layout)
         const tz_fill_body *b = &f->body.v[i];
         if (b->gone)
             continue;
-        if (f->model.v[b->model].element >= 0) {
+        if (b->source < 0) {
             s = write_body(f, i, &to);
             continue;
         }

@@ -117,6 +117,8 @@ TZ_API tz_status tz_fill_replace(tz_fill *f, int32_t n, const tz_vec2 *stroke,
 /** Everything within reach of a place takes part in the next iterations, the rest is held.
  * Brushes wake what they touch by themselves. */
 TZ_API tz_status tz_fill_wake(tz_fill *f, tz_vec2 at, double radius);
+/** All is held, until something is woken. */
+TZ_API void tz_fill_hold(tz_fill *f);
 /** All is awake again: the next iterations settle the whole domain (autocomplete). */
 TZ_API void tz_fill_wake_all(tz_fill *f);
 /** Settles what is awake: iterations, repair, then all is held. */

@@ -74,6 +74,8 @@ static void wake(tz_fill *f, int32_t n, const tz_vec2 *stroke, double radius)
     f->stale = true;
 }
 
+void tz_fill_hold(tz_fill *f) { hold_all(f); }
+
 tz_status tz_fill_remove(tz_fill *f, int32_t body)
 {
     tz_fill_body *b = &f->body.v[body];

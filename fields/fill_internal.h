@@ -20,6 +20,7 @@
  *   fill_guide.c     sizes between strokes, before there are things
  *   fill_start.c     initialisation, insertion, teleportation
  *   fill_repair.c    true outlines     fill_edit.c    brushes, local work
+ *   fill_paint.c     brushes led by a drawing
  *   fill_measure.c   figures of a layout
  * @source [Hsu20] Sec. Formulation, Solver */
 #ifndef TZ_FIELDS_FILL_INTERNAL_H
@@ -68,7 +69,8 @@ typedef struct tz_fill_body {
     double size;    /**< its own, against the palette's */
     double turn;    /**< its own, against its orientation */
     double x, y;    /**< size times cosine and sine of turn */
-    int32_t source; /**< of an obstacle: index into tz_fill.obstacle; else -1 */
+    int32_t source; /**< tz_fill.obstacle that it is written as, while nothing has moved
+                         it; -1 = as it lies */
     bool fixed, gone, awake;
 } tz_fill_body;
 
@@ -210,6 +212,13 @@ static inline tz_vec2 tz_fill_turn(const tz_fill *f, int32_t s)
 static inline double tz_fill_scale(const tz_fill *f, int32_t s)
 {
     return f->c[f->node[s]];
+}
+
+/** What is awake is about to move. */
+static inline void tz_fill_release(tz_fill *f)
+{
+    for (int32_t k = 0; k < f->live.n; k++)
+        f->body.v[f->live.v[k]].source = -1;
 }
 
 /* fill_model.c */

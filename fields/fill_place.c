@@ -25,6 +25,7 @@
 
 enum { ROUNDS = 24 };
 #define SMALL 2e-3 /* of the mean radius */
+#define LOOSE 3.0  /* cell over disc: such cells hold empty room */
 
 typedef struct place_run {
     tz_fill *f;
@@ -100,9 +101,17 @@ static tz_status reserve_hits(tz_fill *f, const tz_power_cells *cells)
     return s;
 }
 
+/* Beside empty room that a brush has left, or painted into, cells reach across all of it:
+ * what lies there stays, or strokes would run out over the domain. */
+static double most_area(const tz_fill *f, int32_t s)
+{
+    const double r = tz_fill_radius(f, s);
+    return f->local && f->dim == 2 ? LOOSE * TZ_PI * r * r : HUGE_VAL;
+}
+
 static tz_vec3 to_centre(const place_run *t, int32_t s)
 {
-    if (!(t->cells->area[s] > 0))
+    if (!(t->cells->area[s] > 0) || t->cells->area[s] > most_area(t->f, s))
         return (tz_vec3){0, 0, 0};
     return t->centre ? t->centre[s]
                      : (tz_vec3){t->cells->centre[s].x, t->cells->centre[s].y, 0};
@@ -134,7 +143,7 @@ static void add_sample(const place_run *t, int32_t s, double *g, double *diag,
 {
     tz_fill *f = t->f;
     const tz_vec3 c = to_centre(t, s);
-    const double a = f->calm * t->cells->area[s] * t->per_area;
+    const double a = f->calm * fmin(t->cells->area[s], most_area(f, s)) * t->per_area;
     double k[3] = {0};
     g[0] += a * c.x, g[1] += a * c.y, g[2] += a * c.z;
     *diag += a;
@@ -194,7 +203,7 @@ static void measure_after(void *arg, int32_t from, int32_t to, double sums[4])
         const double *d = f->step + (ptrdiff_t)f->node[s] * m;
         const tz_vec3 c = to_centre(t, s);
         const double g[3] = {c.x, c.y, c.z},
-                     a = f->calm * t->cells->area[s] * t->per_area;
+                     a = f->calm * fmin(t->cells->area[s], most_area(f, s)) * t->per_area;
         double k[3] = {0}, h[3] = {0}, lack;
         const bool border = lacks_border(f, s, k);
         for (int i = 0; i < m; i++) {

@@ -820,6 +820,7 @@ tz_status tz_fill_repair(tz_fill *f)
 {
     repair r = {.f = f, .room = f->body.n, .bodies = f->body.n};
     tz_status s = tz_fill_lists(f);
+    tz_fill_release(f);
     const size_t n = (size_t)f->body.n;
     int32_t dropped;
     if (s == TZ_OK)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "elements/bend.h"
 #include "fields/fill_internal.h"
 
 enum { STREAM_BODY = 0xf1e1d, STREAM_PLACE = 0xf1e1e };
@@ -317,6 +318,36 @@ static tz_status keep_obstacle(tz_fill *f, const tz_element_set *layout,
     return s == TZ_OK ? tz_array_push(f->ctx, &f->obstacle, e) : s;
 }
 
+/* A soft body that was bent in the layout begins so: discs go where the bend takes them,
+ * and turn as it turns there. */
+static tz_status bend_discs(tz_fill *f, const tz_element_set *layout, int32_t i,
+                            int32_t body)
+{
+    const tz_fill_body *b = &f->body.v[body];
+    const tz_fill_model *m = &f->model.v[b->model];
+    tz_bend bend;
+    if (m->rigidity >= TZ_FILL_RIGID || m->element < 0 || m->samples < 2 || b->n < 2)
+        return TZ_OK;
+    const tz_status s = tz_bend_init(f->ctx, layout, i, f->job.palette, &bend);
+    if (s != TZ_OK)
+        return s;
+    const double x = cos(m->angle) / m->scale, y = sin(m->angle) / m->scale;
+    const double step = 0.01 * m->reach;
+    for (int32_t k = 0; k < b->n && !tz_bend_is_plain(&bend); k++) {
+        tz_vec2 at[2];
+        for (int e = 0; e < 2; e++) {
+            const double u = m->rest[k].x + e * step, v = m->rest[k].y;
+            at[e] = tz_bend_apply(&bend, (tz_vec2){x * u + y * v, x * v - y * u});
+        }
+        const double angle = atan2(at[1].y - at[0].y, at[1].x - at[0].x) - b->turn;
+        double *o = &f->o[2 * (ptrdiff_t)(b->first + k)];
+        f->at[b->first + k] = (tz_vec3){at[0].x, at[0].y, 0};
+        o[0] = cos(angle), o[1] = sin(angle);
+    }
+    tz_bend_deinit(&bend);
+    return s;
+}
+
 tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
 {
     tz_status s = tz_element_set_check(f->ctx, layout, "layout");
@@ -345,9 +376,10 @@ tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
         if (s != TZ_OK)
             break;
         f->body.v[body].fixed = e->fixed || obstacle;
-        f->body.v[body].source = obstacle ? f->obstacle.n : -1;
-        if (obstacle)
-            s = keep_obstacle(f, layout, e);
+        f->body.v[body].source = f->obstacle.n;
+        s = keep_obstacle(f, layout, e);
+        if (s == TZ_OK)
+            s = bend_discs(f, layout, i, body);
         for (int32_t k = f->body.v[body].first; k < f->n; k++) {
             tz_fill_set_rho(f, k, tz_fill_rho(f, f->at[k]));
             f->third[k] = 0;

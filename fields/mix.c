@@ -127,6 +127,12 @@ static bool names(const part *p, const tz_element_set *palette, const tz_element
            is(p->name, palette->symbol.v[e->symbol].id);
 }
 
+bool tz_mix_is(const tz_element_set *palette, int32_t element, const char *name)
+{
+    const part p = {.name = {name, (int)strlen(name)}};
+    return names(&p, palette, &palette->element.v[element]);
+}
+
 /** The first part that names an element; -1 = none. A star has what others leave. */
 static int32_t part_of(const part *p, int32_t n, const tz_element_set *palette,
                        const tz_element *e)

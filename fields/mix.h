@@ -29,6 +29,8 @@ tz_mix;
 TZ_API tz_status tz_mix_parse(tz_ctx *ctx, const char *text,
                               const tz_element_set *palette, double rigidity,
                               tz_mix *mix);
+/** Whether an element of a palette is called so: its class, or its symbol. */
+TZ_API bool tz_mix_is(const tz_element_set *palette, int32_t element, const char *name);
 /** The mix that a document brings along.
  * @param[out] text  "" where it has none; free with tz_free(ctx, ...)
  * @return TZ_OK; TZ_IO; TZ_FORMAT; TZ_LIMIT; TZ_NOMEM */

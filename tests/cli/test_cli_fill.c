@@ -205,6 +205,63 @@ static void what_was_placed_by_hand_stays(void **state)
     assert_one_line();
 }
 
+/* What a brush does not touch stays to the last bit. */
+static void brushes_change_what_they_touch(void **state)
+{
+    (void)state;
+    text("brush.svg",
+         "<svg xmlns='http://www.w3.org/2000/svg' "
+         "xmlns:tz='https://terrazzo.example/ns/1' viewBox='0 0 600 600' fill='none' "
+         "stroke-width='80'><path stroke='red' d='M100 100H300'/><path stroke='#000' "
+         "tz:class='op=replace entry=berry size=1.5' d='M150 450L450 400'/></svg>");
+    const char *const mix = "--mix '*, ribbon rigidity=0' --seed 2 -q";
+    assert_exit(0, "$T fill garden.svg -o l.svg --size 600x600 --field down.svg %s", mix);
+    assert_exit(0, "$T fill garden.svg -o l.json --size 600x600 --field down.svg %s",
+                mix);
+    assert_exit(0, "$T fill garden.svg -o b.svg --keep l.svg --brush brush.svg %s", mix);
+    assert_exit(0, "$T fill garden.svg -o b.json --keep l.svg --brush brush.svg %s", mix);
+    json_t *list = elements("l.json"), *after = elements("b.json");
+    size_t held = 0, near = 0, berries = 0;
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *e = json_array_get(list, i);
+        bool found = false;
+        for (size_t k = 0; k < json_array_size(after) && !found; k++)
+            found = json_equal(e, json_array_get(after, k));
+        const double y = number(e, "y"), x = number(e, "x");
+        if (y > 220 && y < 300) { /* far from both strokes */
+            assert_true(found);
+            held++;
+        }
+        near += found && fabs(y - 100) < 38 && x > 100 && x < 300;
+    }
+    for (size_t i = 0; i < json_array_size(after); i++) {
+        const json_t *e = json_array_get(after, i);
+        const double x = number(e, "x"), y = number(e, "y");
+        assert_false(fabs(y - 100) < 38 && x > 100 && x < 300);
+        if (x > 180 && x < 420 && fabs(y - 450 + (x - 150) / 6) < 30)
+            berries += strcmp(type_of(after, i), "berry") == 0;
+    }
+    assert_true(held > 10 && near == 0 && berries > 5);
+    json_decref(list), json_decref(after);
+    assert_exit(0, "$T replay b.svg -o again.svg -q && cmp b.svg again.svg");
+    assert_exit(0,
+                "$T fill garden.svg -o c.svg --keep l.svg --brush brush.svg %s -j8 && "
+                "cmp b.svg c.svg",
+                mix);
+    static const char *const word[] = {"op=cut", "entry=cactus", "size=0", "size=x",
+                                       "speed=1"};
+    for (size_t i = 0; i < sizeof word / sizeof *word; i++) {
+        assert_exit(0, "sed 's/op=replace entry=berry size=1.5/%s/' brush.svg >w.svg",
+                    word[i]);
+        assert_exit(1, "$T fill garden.svg -o no.svg --keep l.svg --brush w.svg -q");
+        assert_one_line();
+        assert_false(exists("no.svg"));
+    }
+    assert_exit(0, "sed 's/stroke-width=.80.//;s/stroke=.[^ ]*//g' brush.svg >w.svg");
+    assert_exit(1, "$T fill garden.svg -o no.svg --keep l.svg --brush w.svg -q");
+    assert_one_line();
+}
+
 static void the_way_is_written(void **state)
 {
     (void)state;
@@ -246,6 +303,7 @@ int main(void)
         cmocka_unit_test(same_bytes_at_any_threads_and_again),
         cmocka_unit_test(tiles_repeat),
         cmocka_unit_test(what_was_placed_by_hand_stays),
+        cmocka_unit_test(brushes_change_what_they_touch),
         cmocka_unit_test(the_way_is_written),
         cmocka_unit_test(photos_are_palettes),
     };
