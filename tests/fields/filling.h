@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <time.h>
 
 #include "elements/element_io.h"
 #include "fields/fill.h"
@@ -54,6 +55,76 @@ static inline tz_status filling_field(tz_ctx *ctx, tz_vec3 size, bool torus, boo
     if (s != TZ_OK)
         tz_element_field_deinit(f);
     return s;
+}
+
+/* What is filled in most tests. */
+typedef struct bed {
+    tz_ctx *ctx;
+    tz_element_set palette, layout;
+    tz_element_field field;
+    tz_domain domain;
+    tz_fill_params params;
+    tz_fill_job job;
+} bed;
+
+static inline void bed_lay(bed *b, int threads, double side, double scale,
+                           int32_t iterations)
+{
+    memset(b, 0, sizeof *b);
+    b->ctx = new_ctx(threads);
+    b->domain = (tz_domain){.size = {side, side, 0}};
+    b->params = filling_params(iterations);
+    ok(b->ctx, filling_palette(b->ctx, scale, &b->palette));
+    ok(b->ctx, filling_field(b->ctx, b->domain.size, false, false, &b->field));
+    ok(b->ctx, tz_element_set_like(b->ctx, &b->palette, &b->domain, &b->layout));
+    b->job = (tz_fill_job){.palette = &b->palette,
+                           .domain = b->domain,
+                           .field = &b->field,
+                           .params = &b->params,
+                           .seed = 3};
+}
+
+static inline void bed_clear(bed *b)
+{
+    tz_element_set_deinit(&b->palette);
+    tz_element_set_deinit(&b->layout);
+    tz_element_field_deinit(&b->field);
+    end_ctx(b->ctx);
+}
+
+/* Whatever was asked for, a layout holds together. */
+static inline void filling_sound(tz_ctx *ctx, const tz_element_set *layout)
+{
+    ok(ctx, tz_element_set_check(ctx, layout, "layout"));
+    for (int32_t i = 0; i < layout->element.n; i++) {
+        const tz_element *e = &layout->element.v[i];
+        assert_true(isfinite(e->at.x) && isfinite(e->at.y) && isfinite(e->angle));
+        assert_true(isfinite(e->scale) && e->scale > 0);
+    }
+    for (int32_t i = 0; i < layout->sample.n; i++)
+        assert_true(isfinite(layout->sample.v[i].at.x) &&
+                    isfinite(layout->sample.v[i].at.y));
+}
+
+/* Processor time, which the work of others on the machine does not lengthen. */
+static inline double filling_seconds(void)
+{
+    struct timespec t = {0};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* No input may keep one busy for longer (sanitizers take their own time). */
+static inline void filling_in_time(const char *what, double since)
+{
+    const double spent = filling_seconds() - since;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    const double most = 200;
+#else
+    const double most = 10;
+#endif
+    if (spent > most)
+        fail_msg("%s took %.1f s", what, spent);
 }
 
 #endif

@@ -5,40 +5,6 @@
 
 #include "tests/fields/filling.h"
 
-/* What is filled in most tests. */
-typedef struct bed {
-    tz_ctx *ctx;
-    tz_element_set palette, layout;
-    tz_element_field field;
-    tz_domain domain;
-    tz_fill_params params;
-    tz_fill_job job;
-} bed;
-
-static void lay(bed *b, int threads, double side, double scale, int32_t iterations)
-{
-    memset(b, 0, sizeof *b);
-    b->ctx = new_ctx(threads);
-    b->domain = (tz_domain){.size = {side, side, 0}};
-    b->params = filling_params(iterations);
-    ok(b->ctx, filling_palette(b->ctx, scale, &b->palette));
-    ok(b->ctx, filling_field(b->ctx, b->domain.size, false, false, &b->field));
-    ok(b->ctx, tz_element_set_like(b->ctx, &b->palette, &b->domain, &b->layout));
-    b->job = (tz_fill_job){.palette = &b->palette,
-                           .domain = b->domain,
-                           .field = &b->field,
-                           .params = &b->params,
-                           .seed = 3};
-}
-
-static void clear(bed *b)
-{
-    tz_element_set_deinit(&b->palette);
-    tz_element_set_deinit(&b->layout);
-    tz_element_field_deinit(&b->field);
-    end_ctx(b->ctx);
-}
-
 static bool falls(void *user, const tz_fill *fill, int32_t iteration,
                   const tz_fill_energy *e)
 {
@@ -57,12 +23,12 @@ static void energies_fall_in_each_step(void **state)
     for (int soft = 0; soft < 2; soft++) {
         bed b;
         int calls = 0;
-        lay(&b, 2, 200, 1, 30);
+        bed_lay(&b, 2, 200, 1, 30);
         b.params.rigidity = soft ? 0 : 100;
         b.job.trace = falls, b.job.user = &calls;
         ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, NULL));
         assert_true(calls >= 30);
-        clear(&b);
+        bed_clear(&b);
     }
 }
 
@@ -71,7 +37,7 @@ static void things_are_kept_apart_and_cover_more(void **state)
     (void)state;
     bed b;
     tz_fill_report at_random, r;
-    lay(&b, 2, 250, 1, 0);
+    bed_lay(&b, 2, 250, 1, 0);
     b.params.start = TZ_FILL_RANDOM, b.params.repair = false;
     ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, &at_random));
     tz_element_set_deinit(&b.layout);
@@ -86,7 +52,7 @@ static void things_are_kept_apart_and_cover_more(void **state)
     assert_true(r.turn < 0.3);
     for (int32_t i = 0; i < b.layout.element.n; i++)
         assert_true(tz_domain_contains(&b.domain, b.layout.element.v[i].at));
-    clear(&b);
+    bed_clear(&b);
 }
 
 static void threads_do_not_matter(void **state)
@@ -97,7 +63,7 @@ static void threads_do_not_matter(void **state)
     int32_t n = 0;
     for (int t = 0; t < 3; t++) {
         bed b;
-        lay(&b, threads[t], 700, 1, 4); /* over 2,048 nodes: blocks on all threads */
+        bed_lay(&b, threads[t], 700, 1, 4); /* over 2,048 nodes: blocks on all threads */
         ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, NULL));
         if (t == 0) {
             n = b.layout.element.n;
@@ -112,7 +78,7 @@ static void threads_do_not_matter(void **state)
             assert_true(first[i].angle == b.layout.element.v[i].angle);
             assert_true(first[i].scale == b.layout.element.v[i].scale);
         }
-        clear(&b);
+        bed_clear(&b);
     }
     assert_true(n > 2500);
     free(first);
@@ -123,8 +89,8 @@ static void scale_does_not_matter(void **state)
 {
     (void)state;
     bed a, b;
-    lay(&a, 1, 160, 1, 25);
-    lay(&b, 1, 320, 2, 25);
+    bed_lay(&a, 1, 160, 1, 25);
+    bed_lay(&b, 1, 320, 2, 25);
     ok(a.ctx, tz_fill_run(a.ctx, &a.job, &a.layout, NULL));
     ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, NULL));
     assert_int_equal(a.layout.element.n, b.layout.element.n);
@@ -134,8 +100,8 @@ static void scale_does_not_matter(void **state)
         off = fmax(off, hypot(2 * p->at.x - q->at.x, 2 * p->at.y - q->at.y));
     }
     assert_true(off < 1e-3);
-    clear(&a);
-    clear(&b);
+    bed_clear(&a);
+    bed_clear(&b);
 }
 
 /* On a torus a layout that is shifted, or turned by a quarter with its field and palette,
@@ -222,7 +188,7 @@ static void soft_things_bend(void **state)
 {
     (void)state;
     bed b;
-    lay(&b, 2, 220, 1, 40);
+    bed_lay(&b, 2, 220, 1, 40);
     const tz_fill_entry entry = {2, 1, 0, {1, 1}, 0, 0};
     b.job.entry = &entry, b.job.entries = 1;
     ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, NULL));
@@ -239,14 +205,14 @@ static void soft_things_bend(void **state)
                                       s[e->samples - 1].at.y - s[0].at.y));
     }
     assert_true(bent > 1.003);
-    clear(&b);
+    bed_clear(&b);
 }
 
 static void sizes_follow_strokes(void **state)
 {
     (void)state;
     bed b;
-    lay(&b, 2, 300, 1, 30);
+    bed_lay(&b, 2, 300, 1, 30);
     const tz_element_field_point left[2] = {{{30, 20}, 0.6, -1}, {{30, 280}, 0.6, -1}};
     const tz_element_field_point right[2] = {{{270, 20}, 1.5, -1}, {{270, 280}, 1.5, -1}};
     const tz_element_field_stroke stroke = {.radius = 8, .weight = 1};
@@ -262,7 +228,7 @@ static void sizes_follow_strokes(void **state)
     }
     assert_true(sum[0] / n[0] < sum[1] / n[1] - 0.1);
     assert_true(sum[1] / n[1] < sum[2] / n[2] - 0.1);
-    clear(&b);
+    bed_clear(&b);
 }
 
 static void brushes_change_what_they_touch(void **state)
@@ -270,7 +236,7 @@ static void brushes_change_what_they_touch(void **state)
     (void)state;
     bed b;
     tz_fill *f;
-    lay(&b, 2, 400, 1, 0);
+    bed_lay(&b, 2, 400, 1, 0);
     ok(b.ctx, tz_fill_begin(b.ctx, &b.job, &b.layout, &f));
     ok(b.ctx, tz_fill_settle(f, 25));
     ok(b.ctx, tz_fill_write(f, &b.layout));
@@ -314,14 +280,14 @@ static void brushes_change_what_they_touch(void **state)
     fails(b.ctx, tz_fill_add(f, 2, stroke, 5, 9, 1), TZ_INVALID, "entry 9");
     free(old);
     tz_fill_end(f);
-    clear(&b);
+    bed_clear(&b);
 }
 
 static void what_is_fixed_stays(void **state)
 {
     (void)state;
     bed b;
-    lay(&b, 2, 200, 1, 30);
+    bed_lay(&b, 2, 200, 1, 30);
     ok(b.ctx,
        tz_element_set_place(&b.layout, &b.palette, 0, (tz_vec3){100, 100, 0}, 1, 2));
     b.layout.element.v[0].fixed = true;
@@ -336,7 +302,7 @@ static void what_is_fixed_stays(void **state)
         assert_true(fabs(e->scale / b.palette.element.v[0].scale - 2) < 1e-9);
     }
     assert_int_equal(found, 1);
-    clear(&b);
+    bed_clear(&b);
 }
 
 /* Sizes that a field changes by 1 to 3: as full as anywhere, nothing lies on another. */
@@ -347,7 +313,7 @@ static void changing_sizes_are_packed_evenly(void **state)
     tz_fill_report r;
     const tz_element_field_stroke pen = {.radius = 6, .weight = 1, .directed = true};
     const tz_element_field_point v[2] = {{{30, 30}, 0.7, -1}, {{270, 270}, 2.1, -1}};
-    lay(&b, 2, 300, 1, 60);
+    bed_lay(&b, 2, 300, 1, 60);
     tz_element_field_deinit(&b.field);
     ok(b.ctx, tz_element_field_init(b.ctx, b.domain.size, false, 256, &b.field));
     ok(b.ctx, tz_element_field_add(&b.field, pen, 2, v));
@@ -369,7 +335,7 @@ static void changing_sizes_are_packed_evenly(void **state)
             covered[1] += s * s * a[e->source] / (150 * 150);
     }
     assert_true(fabs(covered[0] - covered[1]) < 0.12);
-    clear(&b);
+    bed_clear(&b);
 }
 
 static void odd_input(void **state)
@@ -379,7 +345,7 @@ static void odd_input(void **state)
     tz_fill *f;
     tz_element_set none = {0};
     tz_fill_entry e = {0, 1, 100, {1, 1}, 0, 0};
-    lay(&b, 1, 100, 1, 5);
+    bed_lay(&b, 1, 100, 1, 5);
     tz_fill_job j = b.job;
     j.palette = &none;
     fails(b.ctx, tz_fill_begin(b.ctx, &j, &b.layout, &f), TZ_INVALID, "palette");
@@ -410,7 +376,7 @@ static void odd_input(void **state)
     tz_fill_report r;
     ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, &r));
     assert_true(r.overlap < 0.01);
-    clear(&b);
+    bed_clear(&b);
 }
 
 /* Small, for it runs once for each of its allocations. */
