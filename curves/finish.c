@@ -18,9 +18,10 @@ enum { ROUNDS = 12 };
 #define REACH  1.25 /* of delta */
 #define GROWTH 1.4  /* of the reach where the exemplar has no ends, a round */
 #define CHANCE \
-    1.03          /* times as many ends as the exemplar has a length are none too many */
-#define FEW     8 /* ends: of fewer nothing is told */
-#define SPACING 0.1 /* of delta: points of nets */
+    1.03 /* times as many ends as the exemplar has a length are none too many */
+#define SAME    1e-6 /* of delta: lines so near are one */
+#define FEW     8    /* ends: of fewer nothing is told */
+#define SPACING 0.1  /* of delta: points of nets */
 
 /* ---- what the exemplar has ----------------------------------------------------------- */
 
@@ -261,8 +262,9 @@ static tz_status put_together(const tz_curve_set *given, const tz_curve_set *set
     return s == TZ_OK ? append(set, 0, set->taper.n > 0, set->origin.n > 0, out) : s;
 }
 
-/* The paths of `from` whose pens are the set's, into the set; all else in it stays. */
-static tz_status take_over(const tz_curve_set *from, tz_curve_set *set)
+/* The paths of `from` whose pens are the set's, into the set, crossing where they merely
+ * crossed; all else in it stays. */
+static tz_status take_over(const tz_curve_set *from, double delta, tz_curve_set *set)
 {
     tz_curve_set out = {.ctx = set->ctx, .domain = set->domain};
     tz_curve_set own = {.ctx = set->ctx, .domain = set->domain};
@@ -276,6 +278,8 @@ static tz_status take_over(const tz_curve_set *from, tz_curve_set *set)
     if (s == TZ_OK)
         s = tz_curve_chain(set->ctx, from, gone, false, &out);
     tz_free(set->ctx, gone);
+    if (s == TZ_OK)
+        s = tz_finish_release(set, JOIN * delta, SAME * delta, &out);
     if (s == TZ_OK) {
         own = *set;
         set->node.v = out.node.v, set->node.n = out.node.n, set->node.cap = out.node.cap;
@@ -478,7 +482,7 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
     if (s == TZ_OK && f.changed)
         s = settle(&f);
     if (s == TZ_OK && f.changed)
-        s = take_over(&f.now, set);
+        s = take_over(&f.now, f.limit.delta, set);
     if (s == TZ_OK && report)
         *report = f.report;
     tz_finish_limits_deinit(ctx, &f.limit);

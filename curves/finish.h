@@ -22,8 +22,8 @@ typedef struct tz_curve_finish_report {
  * the exemplar's shortest free branches goes; each only as far as the exemplar has fewer of
  * that kind. Where it has hardly any ends, those that are left are paired over longer ways
  * by smooth curves, also by turns; a line in between then changes sides with the curve, so
- * that nothing crosses; at last lines that end go, up to 2 % of all length. Fixed things (the paths of `given`) are not
- * moved.
+ * that nothing crosses; at last lines that end go, up to 2 % of all length. Fixed things (the paths of `given`) are
+ * not moved. Lines that merely crossed merely cross again, in the pieces that they had.
  * @param exemplar  what tells which ends are right
  * @param given     NULL, or paths which must stay as they are
  * @param[in,out] s  domain may be a torus or have a region; origins and tapers are kept;

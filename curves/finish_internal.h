@@ -169,6 +169,16 @@ tz_status tz_finish_pairs(tz_net_edit *e, const tz_finish_limits *l, double reac
 tz_status tz_finish_drop(tz_net_edit *e, const tz_finish_limits *l, double share,
                          double most);
 
+/** Crossings of lines that finishing has made nodes of merely cross again: nodes of `s`
+ * that are farther than `reach` from any of `before`, where no path ends and all run
+ * straight on, go, and what they cut is one piece. No point of a line moves by more than
+ * `same`.
+ * @param[in,out] s  undefined, but freed as usual, on error
+ * @return TZ_OK; TZ_NOMEM
+ * @cost O(n) */
+tz_status tz_finish_release(const tz_curve_set *before, double reach, double same,
+                            tz_curve_set *s);
+
 /* ---- shared by what closes gaps ------------------------------------------------------- */
 
 /** Whether a bridge crosses a line, but for pieces a and b, which it may only touch where

@@ -308,6 +308,101 @@ static void test_pairs(void **state)
     }
 }
 
+/* Lines that cross merely cross when one of them has been mended, and are the curves that
+ * they were; nodes that they shared they still share. */
+static tz_status crossed(tz_ctx *c, double side, double gap, bool torus, tz_curve_set *s)
+{
+    enum { LINES = 12 };
+    int32_t pen, a, b;
+    *s = (tz_curve_set){.ctx = c,
+                        .domain = {.size = {side, side, 0}, .torus = torus},
+                        .element = {.ctx = c}};
+    tz_status st = tz_curve_add_pen(s, (tz_curve_pen){.width = 1, .color = 255}, &pen);
+    for (int i = 0; i < 2 * LINES && st == TZ_OK; i++) {
+        const bool down = i >= LINES, straight = i % 3 == 0;
+        const double at = 0.45 * (i % LINES + 0.5) * side / LINES,
+                     h = straight ? 0 : side / 20;
+        tz_bezier line = {
+            {{0, at}, {side / 3, at + h}, {2 * side / 3, at - h}, {side, at}}};
+        for (int k = 0; k < 4; k++) {
+            if (down)
+                line.p[k] = (tz_vec2){line.p[k].y, line.p[k].x};
+        }
+        const double cut[2][2] = {{0, 0.7 - gap / 2}, {0.7 + gap / 2, 1}};
+        for (int k = 0; k < (i == 3 && gap > 0 ? 2 : 1) && st == TZ_OK; k++) {
+            const bool whole = i != 3 || !(gap > 0);
+            const tz_bezier v =
+                tz_bezier_part(&line, whole ? 0 : cut[k][0], whole ? 1 : cut[k][1]);
+            st = tz_curve_add_node(s, v.p[0], &a);
+            b = a;
+            if (st == TZ_OK && !(torus && whole))
+                st = tz_curve_add_node(s, v.p[3], &b);
+            if (st == TZ_OK)
+                st = tz_curve_begin(s, pen);
+            if (st == TZ_OK && straight &&
+                !torus) /* over half of a torus it would be around */
+                st = tz_curve_line(s, a, b);
+            else if (st == TZ_OK)
+                st = tz_curve_cubic(s, a, b, v.p[1], v.p[2]);
+            if (st == TZ_OK)
+                tz_curve_end(s, a == b);
+        }
+    }
+    tz_curve_wrap(s);
+    return st;
+}
+
+static bool holds(const tz_curve_set *s, const tz_bezier *c)
+{
+    for (int32_t i = 0; i < s->piece.n; i++) {
+        const tz_bezier b = tz_curve_bezier(s, &s->piece.v[i]);
+        double way[2] = {0, 0};
+        for (int k = 0; k < 4; k++) {
+            way[0] = fmax(way[0], tz_vec2_length(tz_vec2_sub(b.p[k], c->p[k])));
+            way[1] = fmax(way[1], tz_vec2_length(tz_vec2_sub(b.p[3 - k], c->p[k])));
+        }
+        if (fmin(way[0], way[1]) < 1e-3)
+            return true;
+    }
+    return false;
+}
+
+static void test_crossings(void **state)
+{
+    (void)state;
+    for (int torus = 0; torus < 2; torus++) {
+        tz_curve_set x, before, s;
+        tz_curve_finish_report r;
+        ok(ctx, crossed(ctx, 360, 0, torus, &x));
+        ok(ctx, crossed(ctx, 360, 0.02, torus, &before));
+        ok(ctx, crossed(ctx, 360, 0.02, torus, &s));
+        ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, &r));
+        ok(ctx, tz_curve_set_check(ctx, &s, "finished"));
+        assert_true(r.closed == 1 && r.ends[1] == 0 && r.removed == 0);
+        assert_true(fabs(total_length(&s) - total_length(&x)) < 0.01);
+        int32_t kept = 0;
+        for (int32_t i = 0; i < before.piece.n; i++) {
+            const tz_bezier c = tz_curve_bezier(&before, &before.piece.v[i]);
+            kept += holds(&s, &c);
+        }
+        /* all but the line with the gap, at the most; and its bridge */
+        if (kept < before.piece.n - 2 || s.piece.n > before.piece.n + 1)
+            fail_msg("torus %d: %d of %d pieces are what they were; %d now", torus, kept,
+                     before.piece.n, s.piece.n);
+        assert_int_equal(junctions(&s), torus ? 0 : junctions(&before));
+        tz_curve_set_deinit(&x);
+        tz_curve_set_deinit(&before);
+        tz_curve_set_deinit(&s);
+    }
+    tz_curve_set x, s;
+    ok(ctx, lattice(ctx, 600, 20, 0, 0, true, &x));
+    ok(ctx, lattice(ctx, 600, 20, 0.3, 7, true, &s));
+    ok(ctx, tz_curve_finish(ctx, &x, NULL, &s, NULL));
+    assert_int_equal(junctions(&s), 400);
+    tz_curve_set_deinit(&x);
+    tz_curve_set_deinit(&s);
+}
+
 static tz_status pair_once(tz_ctx *c, tz_curve_set *s)
 {
     tz_curve_set x = {0};
@@ -481,6 +576,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_rough, begin, end),
         cmocka_unit_test(test_same_bytes),
         cmocka_unit_test_setup_teardown(test_pairs, begin, end),
+        cmocka_unit_test_setup_teardown(test_crossings, begin, end),
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_pair_memory),
     };
