@@ -51,13 +51,11 @@ void tz_fill_end(tz_fill *f)
     tz_power_free(f->power);
     tz_fill_guide_deinit(f);
     void *const all[] = {
-        f->at,         f->radius,     f->c,          f->rho,       f->o,
-        f->owner,      f->node,       f->weight,     f->third,     f->target,
-        f->target_c,   f->target_rho, f->confident,  f->said_c,    f->said_rho,
-        f->link_start, f->edge_to,    f->edge_w,     f->hit_start, f->hit_count,
-        f->hit_to,     f->hit_w,      f->link_count, f->diag,      f->rank,
-        f->gradient,   f->step,       f->kept,       f->block,     f->work,
-        f->pressure,   f->prior,      f->wide};
+        f->at,         f->radius, f->c,        f->rho,        f->o,        f->owner,
+        f->node,       f->weight, f->third,    f->target,     f->target_c, f->target_rho,
+        f->confident,  f->said_c, f->said_rho, f->link_start, f->edge_to,  f->edge_w,
+        f->link_count, f->diag,   f->rank,     f->gradient,   f->step,     f->kept,
+        f->block,      f->work,   f->pressure, f->prior,      f->wide};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         tz_free(ctx, all[i]);
     tz_free(ctx, f);
@@ -285,6 +283,8 @@ static tz_status iterate_all(tz_fill *f)
             if (s == TZ_OK)
                 s = tz_fill_teleport(f, 0.02);
         }
+        if (s == TZ_OK && f->par.repair && k % 10 == 9 && k < 0.9 * n)
+            s = tz_fill_loosen(f);
         tz_progress_add(f->ctx, 1);
     }
     tz_progress_end(f->ctx);

@@ -19,7 +19,8 @@
  *   fill_place.c     Eq. (1) to (4): distribution and graph step
  *   fill_guide.c     sizes between strokes, before there are things
  *   fill_start.c     initialisation, insertion, teleportation
- *   fill_repair.c    true outlines     fill_edit.c    brushes, local work
+ *   fill_repair.c    true outlines are kept apart: fill_outline_internal.h
+ *   fill_edit.c      brushes, local work
  *   fill_paint.c     brushes led by a drawing
  *   fill_measure.c   figures of a layout
  * @source [Hsu20] Sec. Formulation, Solver */
@@ -87,16 +88,17 @@ typedef struct tz_fill_system {
     const double *u;     /**< NULL, or m a node: adds rank (u u') */
     const double *rank;  /**< factor of it, a node */
     const double *block; /**< NULL, or m * m a node, added */
-    double *work;        /**< 4 * m * size doubles, zero where nothing is unknown */
+    double *work;        /**< 3 * m * size doubles, zero where nothing is unknown */
     int32_t size;        /**< indices are below it */
 } tz_fill_system;
 
 /** Solves for the step x with right side b by preconditioned conjugate gradients from 0.
+ * @param b       m a node; the residual afterwards
  * @param small   a step of that size does not matter
  * @param[out] x  m a node, of unknown nodes; others untouched
  * @return TZ_OK; TZ_NOMEM; TZ_CANCELLED @cost O(rounds * edges) */
-tz_status tz_fill_solve(const tz_fill_system *s, const double *b, double small,
-                        int32_t rounds, double *x);
+tz_status tz_fill_solve(const tz_fill_system *s, double *b, double small, int32_t rounds,
+                        double *x);
 
 /** Runs a body over blocks of items 0 .. n-1; sums[0..3] get its partial sums in a fixed
  * order. `sums` may be NULL. */
@@ -166,12 +168,9 @@ struct tz_fill {
     int32_t *link_start, *link_count;
     TZ_ARRAY(tz_fill_link)
     link;
-    int32_t *edge_to; /**< as many as links */
+    int32_t *edge_to; /**< as many as links; in the distribution step, of conflicts */
     double *edge_w;
     int32_t edge_cap;
-    int32_t *hit_start, *hit_count, *hit_to; /**< conflicts */
-    double *hit_w;
-    int32_t hit_cap;
     double *diag, *rank, *gradient, *step, *kept, *block;
     double *work;
     double *pressure; /**< a sample: sum of what it lacks */
@@ -265,6 +264,10 @@ typedef struct tz_fill_gap {
 tz_status tz_fill_gaps(tz_fill *f, double least, int32_t most, tz_fill_gap **out,
                        int32_t *n);
 
+/* fill_repair.c */
+/** Between iterations: true outlines go apart, the hardest pressed to empty places. */
+tz_status tz_fill_loosen(tz_fill *f);
+
 /* fill_guide.c */
 tz_status tz_fill_guide_init(tz_fill *f);
 void tz_fill_guide_deinit(tz_fill *f);
@@ -290,6 +293,7 @@ tz_status tz_fill_turn_step(tz_fill *f, double before_after[2]);
 tz_status tz_fill_turn_energy(tz_fill *f, double sums[4], bool gradient);
 
 /* fill_place.c */
+/** Ends the use of links: their edges become those of conflicts. */
 tz_status tz_fill_distribution_step(tz_fill *f, const tz_power_cells *cells,
                                     const tz_vec3 *centre, double before_after[2],
                                     double terms[3]);
