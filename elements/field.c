@@ -12,7 +12,7 @@
 
 #include "elements/guide.h"
 
-enum { SIDE = 512, MOST_SIDE = 4096, MOST_POINTS = 10000000 };
+enum { SIDE = 512, MOST_SIDE = 4096, MOST_POINTS = 10000000, MOST_LOOKS = 400000000 };
 
 tz_status tz_element_field_init(tz_ctx *ctx, tz_vec3 size, bool torus, int32_t side,
                                 tz_element_field *f)
@@ -187,8 +187,9 @@ typedef struct claim {
 } claim;
 
 /* Cells under a piece of a stroke. Of a stroke's own pieces the nearest one speaks; a later
- * stroke overrules. */
-static void draw_piece(tz_element_field *f, claim *claims, int32_t stroke, const piece *q)
+ * stroke overrules. Returns how many cells were looked at. */
+static int64_t draw_piece(tz_element_field *f, claim *claims, int32_t stroke,
+                          const piece *q)
 {
     const tz_raster *r = &f->raster;
     const tz_element_field_stroke *s = &f->stroke.v[stroke];
@@ -215,10 +216,12 @@ static void draw_piece(tz_element_field *f, claim *claims, int32_t stroke, const
             claims[k] = (claim){(float)d, stroke};
             say(&f->cell[k], s, q, t);
         }
+    return 16 + (x1 < x0 || y1 < y0 ? 0 : (int64_t)(x1 - x0 + 1) * (y1 - y0 + 1));
 }
 
 /* A long piece in parts, or its box would hold far more cells than it passes. */
-static void draw_parts(tz_element_field *f, claim *claims, int32_t stroke, const piece *q)
+static int64_t draw_parts(tz_element_field *f, claim *claims, int32_t stroke,
+                          const piece *q)
 {
     const tz_raster *r = &f->raster;
     const tz_element_field_point *a = &q->a, *b = &q->b;
@@ -226,6 +229,7 @@ static void draw_parts(tz_element_field *f, claim *claims, int32_t stroke, const
     const double l = hypot(b->at.x - a->at.x, b->at.y - a->at.y);
     const double step = 4 * fmax(f->stroke.v[stroke].radius, 2 * cell);
     const int32_t parts = (int32_t)fmin(fmax(ceil(l / step), 1), 8192);
+    int64_t looked = 0;
     for (int32_t k = 0; k < parts; k++) {
         piece part;
         for (int e = 0; e < 2; e++) {
@@ -240,8 +244,9 @@ static void draw_parts(tz_element_field *f, claim *claims, int32_t stroke, const
             *(e ? &part.to : &part.from) =
                 tz_vec2_add(q->from, tz_vec2_scale(tz_vec2_sub(q->to, q->from), t));
         }
-        draw_piece(f, claims, stroke, &part);
+        looked += draw_piece(f, claims, stroke, &part);
     }
+    return looked;
 }
 
 static tz_vec2 unit_between(tz_vec2 a, tz_vec2 b, double *length)
@@ -297,14 +302,19 @@ static tz_status draw_strokes(tz_element_field *f)
     tz_status s = tz_alloc(f->ctx, &claims, n, sizeof *claims);
     for (size_t i = 0; i < n && s == TZ_OK; i++)
         claims[i] = (claim){0, -1};
+    int64_t looked = 0;
     for (int32_t k = 0; k < f->stroke.n && s == TZ_OK; k++) {
         const tz_element_field_stroke *t = &f->stroke.v[k];
         const int32_t pieces = t->points == 1 ? 1 : t->points - !t->closed;
-        for (int32_t i = 0; i < pieces; i++) {
+        for (int32_t i = 0; i < pieces && looked <= MOST_LOOKS; i++) {
             const piece q = piece_of(f, t, i);
-            draw_parts(f, claims, k, &q);
+            looked += draw_parts(f, claims, k, &q);
         }
-        if (tz_ctx_cancelled(f->ctx))
+        if (looked > MOST_LOOKS)
+            s = tz_fail(f->ctx, TZ_LIMIT,
+                        "strokes cover the field too many times over; draw fewer, or "
+                        "thinner ones");
+        else if (tz_ctx_cancelled(f->ctx))
             s = TZ_CANCELLED;
     }
     tz_free(f->ctx, claims);

@@ -105,7 +105,8 @@ TZ_API tz_status tz_element_field_read_image(tz_element_field *f, const char *pa
 TZ_API tz_status tz_element_field_read(tz_ctx *ctx, const char *path, tz_vec3 size,
                                        bool torus, tz_element_field *f);
 /** Works out the cells; to be called after changes and before use. Where strokes meet in a
- * cell the later one has its say. @return TZ_OK; TZ_NOMEM @cost O(cells + strokes) */
+ * cell the later one has its say. @return TZ_OK; TZ_LIMIT (strokes that cover
+ * it thousands of times over); TZ_NOMEM @cost O(cells + strokes) */
 TZ_API tz_status tz_element_field_settle(tz_element_field *f);
 
 /** What is said at a place; NULL = nothing. */

@@ -348,9 +348,60 @@ static tz_status bend_discs(tz_fill *f, const tz_element_set *layout, int32_t i,
     return s;
 }
 
+typedef struct heaped {
+    double x, y; /* cell */
+    int32_t element;
+} heaped;
+
+static int by_cell(const void *a, const void *b)
+{
+    const heaped *p = a, *q = b;
+    if (p->x != q->x)
+        return p->x < q->x ? -1 : 1;
+    if (p->y != q->y)
+        return p->y < q->y ? -1 : 1;
+    return p->element - q->element;
+}
+
+/* Of each element, how many lie in its cell before it. Cells are as large as things. */
+static tz_status find_heaps(tz_fill *f, const tz_element_set *layout, int32_t *rank)
+{
+    heaped *list = NULL;
+    tz_status s = tz_alloc(f->ctx, &list, (size_t)layout->element.n, sizeof *list);
+    for (int32_t i = 0; i < layout->element.n && s == TZ_OK; i++) {
+        const tz_element *e = &layout->element.v[i];
+        list[i] = (heaped){floor(e->at.x / f->unit), floor(e->at.y / f->unit), i};
+    }
+    if (s == TZ_OK)
+        qsort(list, (size_t)layout->element.n, sizeof *list, by_cell);
+    for (int32_t i = 0; i < layout->element.n && s == TZ_OK; i++) {
+        const bool same =
+            i > 0 && list[i].x == list[i - 1].x && list[i].y == list[i - 1].y;
+        rank[list[i].element] = same ? rank[list[i - 1].element] + 1 : 0;
+    }
+    tz_free(f->ctx, list);
+    return s;
+}
+
+/* Where one of a heap begins: by the golden angle about it, each with its own area. */
+static tz_vec3 out_of_heap(const tz_fill *f, tz_vec3 at, double radius, int32_t rank)
+{
+    enum { FEW = 8 };
+    if (rank < FEW)
+        return at;
+    const double r = radius * sqrt(rank - FEW), a = 2.39996322972865332 * rank;
+    const tz_vec3 q = {at.x + r * cos(a), at.y + r * sin(a), at.z};
+    return tz_domain_contains(&f->domain, tz_domain_wrap(&f->domain, q)) ? q : at;
+}
+
 tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
 {
+    int32_t *rank = NULL;
     tz_status s = tz_element_set_check(f->ctx, layout, "layout");
+    if (s == TZ_OK)
+        s = tz_alloc(f->ctx, &rank, (size_t)layout->element.n, sizeof *rank);
+    if (s == TZ_OK)
+        s = find_heaps(f, layout, rank);
     for (int32_t i = 0; i < layout->element.n && s == TZ_OK; i++) {
         const tz_element *e = &layout->element.v[i];
         int32_t model = entry_of(f, e), body;
@@ -368,6 +419,7 @@ tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
         /* heaps of elements at one place: the diagram tells no two sites there apart */
         tz_rng g = tz_rng_make(f->seed, tz_rng_stream(STREAM_PLACE, (uint64_t)i, 1));
         if (!obstacle && !e->fixed) {
+            at = out_of_heap(f, at, e->radius, rank[i]);
             at.x += 1e-3 * e->radius * (tz_rng_unit(&g) - 0.5);
             at.y += 1e-3 * e->radius * (tz_rng_unit(&g) - 0.5);
         }
@@ -385,6 +437,7 @@ tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
             f->third[k] = 0;
         }
     }
+    tz_free(f->ctx, rank);
     return s;
 }
 
