@@ -407,7 +407,7 @@ tz_status tz_fill_reserve(tz_fill *f, int32_t samples)
 {
     if (samples <= f->cap)
         return TZ_OK;
-    const size_t cap = (size_t)samples + (size_t)samples / 4 + 64, m = (size_t)f->m;
+    const size_t cap = (size_t)samples + (size_t)samples / 8 + 64, m = (size_t)f->m;
     tz_status s = TZ_OK;
 #define GROW(array, times) \
     if (s == TZ_OK)        \
@@ -431,21 +431,19 @@ tz_status tz_fill_reserve(tz_fill *f, int32_t samples)
     GROW(said_rho, 1)
     GROW(link_start, 1)
     GROW(link_count, 1)
-    GROW(hit_start, 1)
-    GROW(hit_count, 1)
     GROW(diag, 1)
     GROW(rank, 1)
-    GROW(gradient, m > 3 ? m : 3)
-    GROW(step, m > 3 ? m : 3)
+    GROW(gradient, m)
+    GROW(step, m)
     GROW(kept, m)
     GROW(pressure, 1)
-    GROW(work, 4 * (m > 3 ? m : 3))
+    GROW(work, 3 * m)
     if (f->dim == 3) {
         GROW(block, m * m)
     }
 #undef GROW
     if (s == TZ_OK) {
-        memset(f->work, 0, 4 * (m > 3 ? m : 3) * cap * sizeof *f->work);
+        memset(f->work, 0, 3 * m * cap * sizeof *f->work);
         f->cap = (int32_t)cap;
     }
     return s;

@@ -80,24 +80,25 @@ static bool lacks_border(const tz_fill *f, int32_t s, double k[3])
     return any;
 }
 
+/* Conflicts of a node begin where its links did. */
 static tz_status reserve_hits(tz_fill *f, const tz_power_cells *cells)
 {
     int64_t n = 0;
     for (int32_t j = 0; j < f->live_sample.n; j++) {
         const int32_t s = f->live_sample.v[j];
-        f->hit_start[s] = (int32_t)n;
+        f->link_start[s] = (int32_t)n;
         n += cells->count[s];
     }
     if (n > INT32_MAX / 2)
         return tz_fail(f->ctx, TZ_LIMIT, "too many neighbours of samples");
-    if (n <= f->hit_cap)
+    if (n <= f->edge_cap)
         return TZ_OK;
-    const size_t cap = (size_t)n + (size_t)n / 4;
-    tz_status s = tz_realloc(f->ctx, &f->hit_to, cap, sizeof *f->hit_to);
+    const size_t cap = (size_t)n + (size_t)n / 8;
+    tz_status s = tz_realloc(f->ctx, &f->edge_to, cap, sizeof *f->edge_to);
     if (s == TZ_OK)
-        s = tz_realloc(f->ctx, &f->hit_w, cap, sizeof *f->hit_w);
+        s = tz_realloc(f->ctx, &f->edge_w, cap * (size_t)f->columns, sizeof *f->edge_w);
     if (s == TZ_OK)
-        f->hit_cap = (int32_t)cap;
+        f->edge_cap = (int32_t)cap;
     return s;
 }
 
@@ -161,6 +162,18 @@ static void add_sample(const place_run *t, int32_t s, double *g, double *diag,
     }
 }
 
+/* One more conflict of a node with another; of several samples they are one edge. */
+static int32_t add_hit(tz_fill *f, int32_t from, int32_t to, int32_t node)
+{
+    for (int32_t e = from; e < to; e++)
+        if (f->edge_to[e] == node) {
+            f->edge_w[e] += 2;
+            return to;
+        }
+    f->edge_to[to] = node, f->edge_w[to] = 2;
+    return to + 1;
+}
+
 /* Rows of nodes: diagonal, conflicts, right side. Sums: distribution, conflict, border. */
 static void find_hits(void *arg, int32_t from, int32_t to, double sums[4])
 {
@@ -169,7 +182,7 @@ static void find_hits(void *arg, int32_t from, int32_t to, double sums[4])
     for (int32_t j = from; j < to; j++) {
         const int32_t node = f->live_node.v[j], end = end_of(f, node);
         double g[3] = {0, 0, 0}, diag = 1e-3; /* with no cell it stays */
-        int32_t n = f->hit_start[node];
+        int32_t n = f->link_start[node];
         for (int32_t s = node; s < end; s++) {
             add_sample(t, s, g, &diag, sums);
             const int32_t *near = t->cells->neighbour + t->cells->start[s];
@@ -178,14 +191,14 @@ static void find_hits(void *arg, int32_t from, int32_t to, double sums[4])
                 double h[3] = {0}, lack;
                 if (f->owner[q] == f->owner[s] || !lacks_room(f, s, q, h, &lack))
                     continue;
-                f->hit_to[n] = f->node[q], f->hit_w[n++] = 2;
+                n = add_hit(f, f->link_start[node], n, f->node[q]);
                 f->pressure[s] += lack / tz_fill_radius(f, s);
                 g[0] -= 2 * h[0], g[1] -= 2 * h[1], g[2] -= 2 * h[2];
                 sums[1] +=
                     (is_live(f, q) ? 1 : 2) * (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
             }
         }
-        f->hit_count[node] = n - f->hit_start[node];
+        f->link_count[node] = n - f->link_start[node];
         f->diag[node] = diag;
         for (int a = 0; a < axes(f); a++)
             f->gradient[(ptrdiff_t)node * f->dim + a] = g[a];
@@ -281,10 +294,10 @@ tz_status tz_fill_distribution_step(tz_fill *f, const tz_power_cells *cells,
                               .node = f->live_node.v,
                               .m = f->dim,
                               .columns = 1,
-                              .start = f->hit_start,
-                              .count = f->hit_count,
-                              .to = f->hit_to,
-                              .w = f->hit_w,
+                              .start = f->link_start,
+                              .count = f->link_count,
+                              .to = f->edge_to,
+                              .w = f->edge_w,
                               .diag = f->diag,
                               .work = f->work,
                               .size = f->n};
@@ -302,33 +315,42 @@ tz_status tz_fill_distribution_step(tz_fill *f, const tz_power_cells *cells,
 
 /* ---- graphs ------------------------------------------------------------------------- */
 
-/* c o (q' - s') of Eq. (3), from disc a to disc b of a body. */
-static tz_vec3 wanted(const tz_fill *f, const tz_fill_body *b, const tz_fill_model *m,
-                      int a, int o)
+/* c o of Eq. (3): columns, of which the plane has two numbers. */
+static void frame_of(const tz_fill *f, const tz_fill_body *b, int32_t s, double m[9])
 {
-    const int32_t s = b->first + a;
-    const tz_vec3 d = {m->rest[o].x - m->rest[a].x, m->rest[o].y - m->rest[a].y,
-                       m->rest[o].z - m->rest[a].z};
     const double c = tz_fill_scale(f, s);
     const double *u = f->o + (ptrdiff_t)f->node[s] * f->m;
     if (f->dim == 3) {
-        const double k = c * b->size;
-        return (tz_vec3){k * (u[0] * d.x + u[3] * d.y + u[6] * d.z),
-                         k * (u[1] * d.x + u[4] * d.y + u[7] * d.z),
-                         k * (u[2] * d.x + u[5] * d.y + u[8] * d.z)};
+        for (int k = 0; k < 9; k++)
+            m[k] = c * b->size * u[k];
+        return;
     }
     const tz_vec2 t = tz_fill_turn(f, s);
-    const double x = b->x * d.x - b->y * d.y, y = b->y * d.x + b->x * d.y;
-    return (tz_vec3){c * (t.x * x - t.y * y), c * (t.y * x + t.x * y), 0};
+    m[0] = c * (t.x * b->x - t.y * b->y), m[1] = c * (t.y * b->x + t.x * b->y);
 }
 
+/* c o (q' - s') of Eq. (3), from disc a to disc o of a body. */
+static inline tz_vec3 wanted(const tz_fill *f, const double m[9], tz_vec3 a, tz_vec3 o)
+{
+    const tz_vec3 d = {o.x - a.x, o.y - a.y, o.z - a.z};
+    if (f->dim == 3)
+        return (tz_vec3){m[0] * d.x + m[3] * d.y + m[6] * d.z,
+                         m[1] * d.x + m[4] * d.y + m[7] * d.z,
+                         m[2] * d.x + m[5] * d.y + m[8] * d.z};
+    return (tz_vec3){m[0] * d.x - m[1] * d.y, m[1] * d.x + m[0] * d.y, 0};
+}
+
+typedef struct frames {
+    double m[TZ_COVER_DISCS][9];
+} frames;
+
 static double graph_energy(const tz_fill *f, const tz_fill_body *b,
-                           const tz_fill_model *m)
+                           const tz_fill_model *m, const frames *o)
 {
     double sum = 0;
     for (int a = 0; a < b->n; a++)
         for (int32_t k = m->start[a]; k < m->start[a + 1]; k++) {
-            const tz_vec3 w = wanted(f, b, m, a, m->near[k]);
+            const tz_vec3 w = wanted(f, o->m[a], m->rest[a], m->rest[m->near[k]]);
             const tz_vec3 p = f->at[b->first + a], q = f->at[b->first + m->near[k]];
             const double x = q.x - p.x - w.x, y = q.y - p.y - w.y, z = q.z - p.z - w.z;
             sum += x * x + y * y + z * z;
@@ -340,12 +362,17 @@ static void restore(tz_fill *f, const tz_fill_body *b, const tz_fill_model *m,
                     double sums[4])
 {
     tz_vec3 right[TZ_COVER_DISCS];
-    sums[0] += TZ_FILL_GRAPH * graph_energy(f, b, m);
+    frames o;
+    o.m[0][0] = 0; /* for the compiler: b->n >= 1 */
+    for (int a = 0; a < b->n; a++)
+        frame_of(f, b, b->first + a, o.m[a]);
+    sums[0] += TZ_FILL_GRAPH * graph_energy(f, b, m, &o);
     for (int a = 0; a < b->n; a++) {
         right[a] = f->at[b->first + a];
         for (int32_t k = m->start[a]; k < m->start[a + 1]; k++) {
-            const int o = m->near[k];
-            const tz_vec3 w = wanted(f, b, m, a, o), v = wanted(f, b, m, o, a);
+            const int q = m->near[k];
+            const tz_vec3 w = wanted(f, o.m[a], m->rest[a], m->rest[q]),
+                          v = wanted(f, o.m[q], m->rest[q], m->rest[a]);
             right[a].x += TZ_FILL_GRAPH * (v.x - w.x);
             right[a].y += TZ_FILL_GRAPH * (v.y - w.y);
             right[a].z += TZ_FILL_GRAPH * (v.z - w.z);
@@ -361,7 +388,7 @@ static void restore(tz_fill *f, const tz_fill_body *b, const tz_fill_model *m,
                    (p.z - at->z) * (p.z - at->z);
         *at = p;
     }
-    const double left = graph_energy(f, b, m);
+    const double left = graph_energy(f, b, m, &o);
     sums[1] += TZ_FILL_GRAPH * left;
     sums[2] += left;
 }

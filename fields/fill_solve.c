@@ -57,8 +57,7 @@ tz_status tz_fill_blocks(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
 
 typedef struct run {
     const tz_fill_system *s;
-    const double *b;
-    double *x, *r, *z, *p, *q;
+    double *x, *r, *z, *p, *q; /* r begins as the right side */
     double alpha, beta;
 } run;
 
@@ -96,7 +95,6 @@ static void first(void *arg, int32_t from, int32_t to, double sums[4])
                 d += s->rank[i] * s->u[v] * s->u[v];
             d = d > 0 ? 1 / d : 0;
             t->x[v] = 0;
-            t->r[v] = t->b[v];
             t->z[v] = d;
             t->p[v] = d * t->r[v];
             sums[0] += t->r[v] * t->p[v];
@@ -203,12 +201,11 @@ static void clear(void *arg, int32_t from, int32_t to, double sums[4])
             t->p[(ptrdiff_t)t->s->node[j] * m + k] = 0;
 }
 
-tz_status tz_fill_solve(const tz_fill_system *s, const double *b, double small,
-                        int32_t rounds, double *x)
+tz_status tz_fill_solve(const tz_fill_system *s, double *b, double small, int32_t rounds,
+                        double *x)
 {
     const ptrdiff_t room = (ptrdiff_t)s->size * s->m;
-    run t = {s, b, x, s->work, s->work + room, s->work + 2 * room, s->work + 3 * room,
-             0, 0};
+    run t = {s, x, b, s->work, s->work + room, s->work + 2 * room, 0, 0};
     double sums[4];
     tz_status st = tz_fill_blocks(s->ctx, s->nodes, first, &t, sums);
     double rz = sums[0];
