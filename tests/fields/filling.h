@@ -106,6 +106,13 @@ static inline void filling_sound(tz_ctx *ctx, const tz_element_set *layout)
                     isfinite(layout->sample.v[i].at.y));
 }
 
+/* All of it lies where it may. */
+static inline void filling_inside(const tz_domain *d, const tz_element_set *layout)
+{
+    for (int32_t i = 0; i < layout->element.n; i++)
+        assert_true(tz_domain_contains(d, layout->element.v[i].at));
+}
+
 /* Processor time, which the work of others on the machine does not lengthen. */
 static inline double filling_seconds(void)
 {
