@@ -93,26 +93,23 @@ static void value_of(const tz_element_field_cell *c, int what, double v[2])
 }
 
 /* Sums become means; strokes that cancel each other say nothing. */
-static void settle(saying *q, double *weights)
+static void settle(saying *q, const double *weights)
 {
     const int32_t n = q->raster.width * q->raster.height;
+    double *const v = q->v, *const firm = q->weight;
     q->all = true;
     q->heaviest = 0;
     for (int32_t i = 0; i < n; i++) {
-        const double w = weights[i];
-        double *x = &q->v[i], *y = q->parts > 1 ? &q->v[n + i] : NULL;
-        if (w > 0)
-            *x /= w;
-        if (w > 0 && y) {
-            *y /= w;
-            const double l = hypot(*x, *y);
+        if (weights[i] > 0)
+            v[i] /= weights[i];
+        if (weights[i] > 0 && q->parts > 1) {
+            const double x = v[i], y = v[n + i] / weights[i], l = hypot(x, y);
             if (l < 1e-3)
-                *x = *y = q->weight[i] = 0;
-            else
-                *x /= l, *y /= l;
+                firm[i] = 0;
+            v[i] = l < 1e-3 ? 0 : x / l, v[n + i] = l < 1e-3 ? 0 : y / l;
         }
-        q->all = q->all && q->weight[i] > 0;
-        q->heaviest = fmax(q->heaviest, q->weight[i]);
+        q->all = q->all && firm[i] > 0;
+        q->heaviest = fmax(q->heaviest, firm[i]);
     }
 }
 
@@ -121,10 +118,10 @@ static tz_status listen(const tz_element_field *f, saying *q)
 {
     const tz_raster *from = &f->raster, *to = &q->raster;
     const size_t n = (size_t)to->width * (size_t)to->height;
-    double *weights = NULL;
-    tz_status s = tz_alloc_zero(f->ctx, &q->v, n * (size_t)q->parts, sizeof *q->v);
+    double *weights = NULL, *v = NULL, *firm = NULL;
+    tz_status s = tz_alloc_zero(f->ctx, &v, n * (size_t)q->parts, sizeof *v);
     if (s == TZ_OK)
-        s = tz_alloc_zero(f->ctx, &q->weight, n, sizeof *q->weight);
+        s = tz_alloc_zero(f->ctx, &firm, n, sizeof *firm);
     if (s == TZ_OK)
         s = tz_alloc_zero(f->ctx, &weights, n, sizeof *weights);
     for (int32_t j = 0; j < from->height && s == TZ_OK; j++)
@@ -133,16 +130,17 @@ static tz_status listen(const tz_element_field *f, saying *q)
             const int64_t at = (int64_t)j * to->height / from->height * to->width +
                                (int64_t)i * to->width / from->width;
             const double w = (double)c->weight[q->what];
-            double v[2];
+            double said[2];
             if (!(w > 0))
                 continue;
-            value_of(c, q->what, v);
-            q->v[at] += w * v[0];
+            value_of(c, q->what, said);
+            v[at] += w * said[0];
             if (q->parts > 1)
-                q->v[(int64_t)n + at] += w * v[1];
+                v[(int64_t)n + at] += w * said[1];
             weights[at] += w;
-            q->weight[at] = fmax(q->weight[at], w);
+            firm[at] = fmax(firm[at], w);
         }
+    q->v = v, q->weight = firm; /* forget() frees them */
     if (s == TZ_OK)
         settle(q, weights);
     tz_free(f->ctx, weights);
