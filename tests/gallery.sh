@@ -5,6 +5,7 @@
 #
 #   tests/gallery.sh BUILDDIR [PHOTOS]
 #
+# With GALLERY=fields in the environment it makes the part of element fields only.
 # PHOTOS is a folder of images. Default: ../shared/exemplars/photos beside the repository if
 # it is there, else the demo's photos, else the exemplars that Terrazzo draws.
 set -u
@@ -45,6 +46,13 @@ figure() {
 }
 
 rows= sections= failed=0 sheet=() labels=
+if [ "${GALLERY-}" = fields ]; then
+    . "$here/gallery_fields.sh"
+    { cat "$page.part"; echo "<h1>Element fields</h1>$fields</html>"; } >"$out/fields.html"
+    rm -f "$page.part"
+    echo "gallery: $out/fields.html"
+    exit $((failed > 0))
+fi
 for photo in "${photos[@]}"; do
     name=$(basename "${photo%.*}")
     # twice the sides = four times the exemplar's area
@@ -140,20 +148,7 @@ for kind in levels ablations energy; do
     curves+="<h2>the published method: $kind</h2><img src=\"method_$kind.svg\" alt=\"$kind\">"$'\n'
 done
 
-# ---- element fields ------------------------------------------------------------------
-# Ten cases, four ways: ours, as published, and by two steps, as published and with our start.
-fields=
-mkdir -p "$out/fields"
-if "$build/tests/bench_fill" cases "$out/fields" >"$out/fields/figures.txt"; then
-    fields="<pre>$(cat "$out/fields/figures.txt")</pre>"
-    for f in "$out"/fields/*.svg; do
-        fields+="<figure><img src=\"fields/${f##*/}\" width=\"360\" alt=\"\">
-<figcaption>$(basename "${f%.svg}")</figcaption></figure>"$'\n'
-    done
-    echo "element fields: ten cases"
-else
-    failed=$((failed + 1))
-fi
+. "$here/gallery_fields.sh"
 
 {
     cat "$page.part"
