@@ -10,6 +10,7 @@
 #include "cli/element_exemplar.h"
 #include "cli/exemplars.h"
 #include "cli/figures.h"
+#include "cli/fill_show.h"
 #include "cli/material.h"
 #include "elements/element_io.h"
 #include "fields/fill_paint.h"
@@ -37,6 +38,7 @@ typedef struct values {
     tz_common_params common;
     tz_output_params output;
     own_params own;
+    tz_show_params show;
     trace_params trace;
     tz_fill_params fill;
     tz_medium_params medium;
@@ -54,8 +56,11 @@ static const tz_param own_rows[] = {
      "themselves and speak under their width; size=, density= and weight= stand in their "
      "tz:class. Or an image of directions."},
     {"directions", TZ_PARAM_STRING, AT(directions), 0, 0, "", "FILE", NULL,
-     "Image of directions beneath the strokes: red and green are the vector (0.5 = 0, "
-     "green points down), a grey value the angle."},
+     "Image of directions beneath the strokes: red and green are the vector (green "
+     "points "
+     "down; 0.5 = 0, in files of floating point numbers, as EXR, 0 = 0), a grey value "
+     "the "
+     "angle."},
     {"sizes", TZ_PARAM_STRING, AT(sizes), 0, 0, "", "FILE", NULL,
      "Image of sizes beneath the strokes: mid grey is the palette's own."},
     {"densities", TZ_PARAM_STRING, AT(densities), 0, 0, "", "FILE", NULL,
@@ -110,6 +115,7 @@ typedef struct run_state {
     tz_region *region;
     tz_element_field field;
     tz_fill_paint paint;
+    tz_show show;
     tz_mix mix;
     tz_domain domain;
     char *path;
@@ -136,7 +142,7 @@ static tz_status read_kept(run_state *r)
     tz_status s = tz_elements_read(r->cli, path, &r->v->medium, 0, &r->record, &r->kept);
     if (s == TZ_OK)
         s = tz_paths_add(r->cli->ctx, &r->palette.inputs, tz_cli_find(r->cli, path));
-    if (s == TZ_OK && r->kept.symbol.n != r->palette.set.symbol.n)
+    if (s == TZ_OK && !tz_ramp_strip(&r->kept, &r->palette.set))
         s = tz_fail(r->cli->ctx, TZ_INVALID,
                     "--keep: %s was made from another palette than %s; give the one that "
                     "it was made from",
@@ -201,6 +207,13 @@ static tz_status settle_domain(run_state *r)
     return s;
 }
 
+static const char *vector_image(const own_params *own)
+{
+    return *own->directions                             ? own->directions
+           : *own->field && !tz_path_is_svg(own->field) ? own->field
+                                                        : "";
+}
+
 static tz_status read_field(run_state *r)
 {
     const own_params *own = &r->v->own;
@@ -216,6 +229,10 @@ static tz_status read_field(run_state *r)
         if (*image[i].path && (s = add_input(r, image[i].path)) == TZ_OK)
             s = tz_element_field_read_image(&r->field, tz_cli_find(r->cli, image[i].path),
                                             image[i].map);
+    if (s == TZ_OK)
+        s = tz_show_read(r->cli, &r->v->show, vector_image(own), &r->field, &r->show);
+    if (s == TZ_OK && r->show.ramp.n > 0)
+        s = tz_ramp_check(&r->palette.set);
     if (s == TZ_OK && *own->field && (s = add_input(r, own->field)) == TZ_OK) {
         const char *path = tz_cli_find(r->cli, own->field);
         s = tz_path_is_svg(path) ? tz_element_field_read_strokes(&r->field, path)
@@ -290,6 +307,9 @@ static tz_status write_frame(run_state *r, const tz_fill *fill, int32_t number)
     tz_status s = tz_element_set_like(r->cli->ctx, &r->palette.set, &r->domain, &frame);
     if (s == TZ_OK)
         s = tz_fill_write(fill, &frame);
+    if (s == TZ_OK)
+        s = tz_show_paint(r->cli, &r->v->show, &r->show, &r->field, &r->palette.set,
+                          &frame);
     if (s == TZ_OK)
         s = tz_element_write_svg(r->cli->ctx, path, &frame);
     tz_element_set_deinit(&frame);
@@ -475,11 +495,14 @@ static tz_status run(tz_cli *cli)
     if (s == TZ_OK)
         s = fill(&r);
     if (s == TZ_OK)
+        s = tz_show_paint(cli, &v->show, &r.show, &r.field, &r.palette.set, &r.layout);
+    if (s == TZ_OK)
         s = write_layout(&r);
     tz_element_set_deinit(&r.layout);
     tz_element_set_deinit(&r.kept);
     tz_element_field_deinit(&r.field);
     tz_fill_paint_deinit(&r.paint);
+    tz_show_deinit(&r.show);
     tz_region_free(r.region);
     tz_array_free(cli->ctx, &r.mix);
     tz_element_exemplar_free(cli, &r.palette);
@@ -492,6 +515,7 @@ static const tz_option_group groups[] = {
     {&tz_common_param_table, offsetof(values, common), false},
     {&tz_output_param_table, offsetof(values, output), false},
     {&own_table, offsetof(values, own), true},
+    {&tz_show_param_table, offsetof(values, show), true},
     {&trace_table, offsetof(values, trace), false},
     {&tz_fill_param_table, offsetof(values, fill), true},
     {&tz_medium_param_table, offsetof(values, medium), true},
@@ -504,6 +528,9 @@ static const tz_example examples[] = {
     {"Three of one thing for each of another, over a tile:",
      "terrazzo fill garden.svg -o tile.svg --size 800x800 --tile --mix \"leaf:3 "
      "size=0.8..1.2, ribbon rigidity=5\""},
+    {"A vector field as leaves, larger and lighter where it is stronger:",
+     "terrazzo fill garden.svg -o wind.svg --mix leaf --directions wind.exr --lengths "
+     "0.4,1.6 --ramp viridis --ramp-by length"},
     {"The stones of a photo, larger towards the light of an image:",
      "terrazzo fill rocks.jpg -o beach.svg --size 2048x1024 --sizes ramp.png"},
 };

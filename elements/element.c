@@ -55,7 +55,7 @@ static tz_status copy_kind(tz_element_set *to, const tz_element_kind *k)
     return s;
 }
 
-static tz_status copy_symbol(tz_element_set *to, const tz_element_symbol *y)
+tz_status tz_element_symbol_copy(tz_element_set *to, const tz_element_symbol *y)
 {
     tz_ctx *ctx = to->ctx;
     tz_element_symbol copy = {.radius = y->radius,
@@ -123,7 +123,7 @@ tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
     for (int32_t i = 0; i < from->kind.n && s == TZ_OK; i++)
         s = copy_kind(&set, &from->kind.v[i]);
     for (int32_t i = 0; i < from->symbol.n && s == TZ_OK; i++)
-        s = copy_symbol(&set, &from->symbol.v[i]);
+        s = tz_element_symbol_copy(&set, &from->symbol.v[i]);
     for (int32_t i = 0; i < from->photo.n && s == TZ_OK; i++)
         s = copy_photo(&set, &from->photo.v[i]);
     if (s == TZ_OK && from->background)

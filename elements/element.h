@@ -105,6 +105,9 @@ TZ_API tz_status tz_element_set_like(tz_ctx *ctx, const tz_element_set *from,
 TZ_API tz_status tz_element_set_place(tz_element_set *s, const tz_element_set *from,
                                       int32_t source, tz_vec3 at, double angle,
                                       double scale);
+/** Appends a copy of a symbol.
+ * @return TZ_OK; TZ_NOMEM (the set is as before) */
+TZ_API tz_status tz_element_symbol_copy(tz_element_set *to, const tz_element_symbol *y);
 /** Checks what algorithms rely on: indices in range, samples inside the arrays, finite
  * numbers, positive radii and weights.
  * @return TZ_OK; TZ_INVALID (names the element) */

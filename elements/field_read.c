@@ -266,15 +266,19 @@ typedef struct sum {
     double weight[TZ_ELEMENT_FIELD_SAYINGS], all;
 } sum;
 
+/* Files of floating point numbers (EXR) hold vectors as they are; in others 0.5 is 0. */
 static tz_vec2 direction_of(const tz_image *im, const float *p)
 {
-    const double blind = 0.02; /* nearer to 0 than 8 bits can say */
+    const bool is_float = im->depth > 16;
+    const double zero = is_float ? 0 : 0.5;
+    const double blind = is_float ? 0 : 0.02; /* nearer to 0 than 8 bits can say */
     if (im->channels - (im->alpha >= 0) < 2) {
         const double a = 2 * TZ_PI * (double)p[0];
         return (tz_vec2){cos(a), sin(a)};
     }
-    const tz_vec2 v = {(double)p[0] - 0.5, (double)p[1] - 0.5};
-    return tz_vec2_length(v) < blind ? (tz_vec2){0, 0} : v;
+    const tz_vec2 v = {(double)p[0] - zero, (double)p[1] - zero};
+    return tz_vec2_length(v) >= blind && isfinite(v.x) && isfinite(v.y) ? v
+                                                                        : (tz_vec2){0, 0};
 }
 
 static void hear(sum *s, tz_element_field_map map, const tz_image *im, const float *p,

@@ -69,7 +69,7 @@ tz_status tz_guide_read_image(tz_ctx *ctx, const char *path, int32_t most, bool 
     }
     s = tz_image_init(ctx, im, (full.width + k - 1) / k, (full.height + k - 1) / k,
                       full.channels);
-    im->alpha = full.alpha;
+    im->alpha = full.alpha, im->depth = full.depth;
     for (int32_t y = 0; s == TZ_OK && y < im->height; y++)
         for (int32_t x = 0; x < im->width; x++) {
             const int32_t x1 = (x + 1) * k < full.width ? (x + 1) * k : full.width;

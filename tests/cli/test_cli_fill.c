@@ -232,12 +232,12 @@ static void brushes_change_what_they_touch(void **state)
             assert_true(found);
             held++;
         }
-        near += found && fabs(y - 100) < 38 && x > 100 && x < 300;
+        near += found && fabs(y - 100) < 30 && x > 100 && x < 300;
     }
     for (size_t i = 0; i < json_array_size(after); i++) {
         const json_t *e = json_array_get(after, i);
         const double x = number(e, "x"), y = number(e, "y");
-        assert_false(fabs(y - 100) < 38 && x > 100 && x < 300);
+        assert_false(fabs(y - 100) < 30 && x > 100 && x < 300);
         if (x > 180 && x < 420 && fabs(y - 450 + (x - 150) / 6) < 30)
             berries += strcmp(type_of(after, i), "berry") == 0;
     }
@@ -259,6 +259,69 @@ static void brushes_change_what_they_touch(void **state)
     }
     assert_exit(0, "sed 's/stroke-width=.80.//;s/stroke=.[^ ]*//g' brush.svg >w.svg");
     assert_exit(1, "$T fill garden.svg -o no.svg --keep l.svg --brush w.svg -q");
+    assert_one_line();
+}
+
+/* Vectors that point away from the middle line and grow from it, about 0. */
+static void write_vectors(void)
+{
+    tz_ctx *ctx = NULL;
+    tz_image im;
+    assert_int_equal(tz_ctx_new(NULL, &ctx), TZ_OK);
+    assert_int_equal(tz_image_init(ctx, &im, 40, 40, 3), TZ_OK);
+    for (int32_t i = 0; i < 1600; i++) {
+        float *p = tz_image_at(&im, i % 40, i / 40);
+        p[0] = 0.2f * ((float)(i % 40) - 19.5f), p[1] = p[2] = 0;
+    }
+    assert_int_equal(tz_image_write(ctx, "v.exr", &im, NULL), TZ_OK);
+    tz_image_deinit(&im);
+    tz_ctx_free(ctx);
+}
+
+static void fields_are_shown(void **state)
+{
+    (void)state;
+    write_vectors();
+    const char *const how = "--size 500x500 --mix leaf --directions v.exr --lengths "
+                            "0.5,1.5 --iterations 30 --seed 3 -q";
+    assert_exit(0, "$T fill garden.svg -o v.json %s", how);
+    json_t *list = elements("v.json");
+    double away = 0, wide = 0, narrow = 0;
+    int wides = 0, narrows = 0;
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *e = json_array_get(list, i);
+        const double x = number(e, "x") - 250;
+        if (fabs(x) > 60)
+            away += fabs(
+                remainder(number(e, "angle") - (x < 0 ? 2 * acos(0) : 0), 4 * acos(0)));
+        if (fabs(x) > 190)
+            wide += number(e, "scale"), wides++;
+        else if (fabs(x) < 60)
+            narrow += number(e, "scale"), narrows++;
+    }
+    assert_true(json_array_size(list) > 50 && away / json_array_size(list) < 0.2);
+    assert_true(wides > 5 && narrows > 5 && wide / wides > 1.5 * narrow / narrows);
+    json_decref(list);
+    assert_exit(0, "$T fill garden.svg -o r.svg %s --ramp '#f00,#00f' --ramp-by length",
+                how);
+    assert_exit(
+        0, "grep -q 'fill=.#f[0-9a-f]*.' r.svg && grep -q 'fill=.#[0-9a-f]*f.' r.svg");
+    assert_exit(0, "$T render r.svg -o r.png -q && test -s r.png");
+    assert_exit(0, "$T replay r.svg -o again.svg -q && cmp r.svg again.svg");
+    /* colours do not change the places; a coloured layout is of the same palette */
+    assert_exit(0, "$T fill garden.svg -o r.json %s --ramp hue && cmp r.json v.json",
+                how);
+    assert_exit(0, "$T fill garden.svg -o k.svg --keep r.svg --mix leaf -q");
+    static const char *const wrong[] = {"--ramp viridian", "--ramp ''#12",
+                                        "--ramp-by length --ramp grey", "--lengths 1,2",
+                                        "--lengths 0,5000 --directions v.exr"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        const int code = sh("$T fill garden.svg -o no.svg %s -q", wrong[i]);
+        assert_true(code == 1 || code == 2);
+        assert_one_line();
+        assert_false(exists("no.svg"));
+    }
+    assert_exit(1, "$T fill pebbles.png -o no.svg --size 300x300 --ramp hue -q");
     assert_one_line();
 }
 
@@ -304,6 +367,7 @@ int main(void)
         cmocka_unit_test(tiles_repeat),
         cmocka_unit_test(what_was_placed_by_hand_stays),
         cmocka_unit_test(brushes_change_what_they_touch),
+        cmocka_unit_test(fields_are_shown),
         cmocka_unit_test(the_way_is_written),
         cmocka_unit_test(photos_are_palettes),
     };
