@@ -56,7 +56,9 @@ void tz_feature_maps_deinit(tz_ctx *ctx, tz_feature_map *map, int32_t n);
 
 /* ---- groups ----------------------------------------------------------------------- */
 
-enum { TZ_THIN_LEVELS = 5 }; /* density 1, 1/2 .. 1/16 */
+enum {
+    TZ_THIN_LEVELS = 3
+}; /* density 1, 1/2, 1/4 and below: larger pieces hardly turn */
 enum { TZ_RAYS = 64, TZ_RINGS = 24, TZ_BORDER = 128, TZ_SIMILAR = 6 };
 
 /** Edge group made ready for placing: a star about the region's centre. */
