@@ -127,6 +127,8 @@ static void link_samples(void *arg, int32_t from, int32_t to, double sums[4])
             const int32_t *near = t->cells->neighbour + t->cells->start[s];
             if (f->dim == 2)
                 look_up(f, s);
+            else
+                f->prior[s] = 0;
             for (int32_t k = 0; k < t->cells->count[s]; k++) {
                 const int32_t q = near[k];
                 if (f->owner[q] == f->owner[s])
