@@ -200,7 +200,7 @@ static const tz_option_group groups[] = {
     {&tz_curve_output_param_table, offsetof(values, format), true},
     {&tz_curve_watch_param_table, offsetof(values, watch), false},
     {&tz_rules_param_table, offsetof(values, rules), true},
-    {&tz_enlarge_param_table, offsetof(values, growth), false},
+    {&tz_enlarge_param_table, offsetof(values, growth), true},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
 };

@@ -238,7 +238,7 @@ static const tz_option_group groups[] = {
     {&tz_curve_arrange_param_table, offsetof(values, curves), true},
     {&tz_curve_render_param_table, offsetof(values, strokes), true},
     {&tz_rules_param_table, offsetof(values, rules), true},
-    {&tz_enlarge_param_table, offsetof(values, growth), false},
+    {&tz_enlarge_param_table, offsetof(values, growth), true},
     {&tz_arrange_param_table, offsetof(values, arrange), true},
     {&tz_ebpt_param_table, offsetof(values, analyze), true},
     {&tz_compose_param_table, offsetof(values, compose), true},

@@ -20,8 +20,8 @@ typedef struct tz_expand_curves_job {
     const tz_curve_render_params *look;
     const tz_compose_params *compose;
     const tz_format_params *format;
-    const tz_ebpt_params *analyze;    /**< of the ground */
-    const tz_arrange_params *arrange; /**< size, seed, tile */
+    const tz_ebpt_params *analyze; /**< of the ground */
+    tz_arrange_params *arrange; /**< size, seed, tile; seed: that of what is being made */
     double grow;
 } tz_expand_curves_job;
 

@@ -123,7 +123,7 @@ static tz_status one_seed(run_state *r, int32_t i)
 {
     tz_cli *cli = r->cli;
     const tz_expand_elements_job *j = r->job;
-    const uint64_t seed = r->plan.seeds.v[i];
+    const uint64_t seed = j->arrange->seed = r->plan.seeds.v[i];
     tz_element_arrange_report report;
     tz_element_set layout = {0};
     tz_element_material m = {.layout = &layout, .photos = r->exemplar.photos};

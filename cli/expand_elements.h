@@ -20,7 +20,7 @@ typedef struct tz_expand_elements_job {
     const tz_compose_params *compose;
     const tz_format_params *format;
     const tz_ebpt_params *analyze;
-    const tz_arrange_params *arrange; /**< size, seed, tile */
+    tz_arrange_params *arrange; /**< size, seed, tile; seed: that of what is being made */
     double grow;
 } tz_expand_elements_job;
 

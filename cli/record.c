@@ -73,6 +73,23 @@ tz_status tz_record_rules(tz_cli *cli, tz_record *r, const char *path)
     return s;
 }
 
+/* Every option that is recorded, and which of them were given. */
+static tz_status add_options(tz_cli *cli, tz_recipe *recipe)
+{
+    const tz_command *c = cli->command;
+    tz_status s = TZ_OK;
+    for (int32_t g = 0; s == TZ_OK && g < c->groups; g++) {
+        const tz_param_table *t = c->group[g].table;
+        if (!c->group[g].recorded)
+            continue;
+        s = tz_recipe_add_params(recipe, t, (char *)cli->values + c->group[g].offset);
+        for (int32_t i = 0; s == TZ_OK && i < t->n; i++)
+            if (tz_cli_given(cli, t->row[i].name))
+                s = tz_recipe_add_given(recipe, t->row[i].name);
+    }
+    return s;
+}
+
 static tz_status add_inputs(tz_recipe *recipe, const tz_record *r)
 {
     tz_status s = TZ_OK;
@@ -91,10 +108,8 @@ tz_status tz_record_text(tz_cli *cli, const tz_record *r, const tz_record *extra
     tz_status s = tz_recipe_new(cli->ctx, TZ_VERSION, c->name, &recipe);
     for (int32_t i = 0; s == TZ_OK && i < cli->operands; i++)
         s = tz_recipe_add_operand(recipe, cli->operand[i]);
-    for (int32_t g = 0; s == TZ_OK && g < c->groups; g++)
-        if (c->group[g].recorded)
-            s = tz_recipe_add_params(recipe, c->group[g].table,
-                                     (char *)cli->values + c->group[g].offset);
+    if (s == TZ_OK)
+        s = add_options(cli, recipe);
     if (s == TZ_OK)
         s = add_inputs(recipe, r);
     if (s == TZ_OK)

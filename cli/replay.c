@@ -111,10 +111,12 @@ static tz_status find_inputs(tz_cli *cli, const tz_recipe *r, tz_replay *replay)
 /* ---- command ------------------------------------------------------------------------
  */
 
-/* An option of the command that is run again. */
-static tz_status set_option(tz_cli *inner, const char *name, const char *text,
+/* An option of the command that is run again. It counts as given where it was, and where
+ * its value is not the default: what the program chose then, or somebody has edited. */
+static tz_status set_option(tz_cli *inner, const char *name, const char *text, bool given,
                             const char *source)
 {
+    char before[TZ_PARAM_STRING_SIZE + 1], after[TZ_PARAM_STRING_SIZE + 1];
     const tz_option_group *g;
     const tz_param *p = tz_command_option(inner->command, name, &g);
     if (!p)
@@ -122,9 +124,13 @@ static tz_status set_option(tz_cli *inner, const char *name, const char *text,
                        "%s: its recipe has an option '%s' that this "
                        "terrazzo (%s) does not know; use the version that made it",
                        source, name, TZ_VERSION);
-    tz_status s = tz_params_set(inner->ctx, g->table, (char *)inner->values + g->offset,
-                                name, text);
-    return s == TZ_OK ? tz_cli_give(inner, p) : s;
+    char *values = (char *)inner->values + g->offset;
+    tz_params_get(p, values, before, sizeof before);
+    tz_status s = tz_params_set(inner->ctx, g->table, values, name, text);
+    if (s != TZ_OK)
+        return s;
+    tz_params_get(p, values, after, sizeof after);
+    return given || strcmp(before, after) != 0 ? tz_cli_give(inner, p) : TZ_OK;
 }
 
 /* "--output" of the inner command is a template: braces are doubled. */
@@ -147,14 +153,14 @@ static tz_status set_outputs(tz_cli *cli, tz_cli *inner, const char *makes,
     const char *option = strcmp(inner->command->name, "expand") != 0 ? "output"
                          : strcmp(makes, "layout") == 0              ? "save-layout"
                                                                      : "output";
-    tz_status s = set_option(inner, option, text, cli->operand[0]);
+    tz_status s = set_option(inner, option, text, true, cli->operand[0]);
     /* Standard output has no extension: the format is that of the original. */
     if (s == TZ_OK && strcmp(path, "-") == 0 &&
         tz_command_option(inner->command, "format", NULL)) {
         const tz_format_params format = {.format = tz_format_of(cli->operand[0])};
         char name[32];
         tz_params_get(&tz_format_param_table.row[0], &format, name, sizeof name);
-        s = set_option(inner, "format", name, cli->operand[0]);
+        s = set_option(inner, "format", name, true, cli->operand[0]);
     }
     return s;
 }
@@ -215,7 +221,7 @@ static tz_status run_again(tz_cli *cli, const tz_recipe *r, const char *text,
     for (int32_t i = 0; s == TZ_OK && i < tz_recipe_params(r); i++) {
         const char *name, *value;
         tz_recipe_param(r, i, &name, &value);
-        s = set_option(&inner, name, value, cli->operand[0]);
+        s = set_option(&inner, name, value, tz_recipe_given(r, name), cli->operand[0]);
     }
     if (s == TZ_OK)
         s = set_outputs(cli, &inner, replay.makes, path);

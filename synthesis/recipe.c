@@ -16,7 +16,8 @@
 
 struct tz_recipe {
     tz_ctx *ctx;
-    json_t *root, *operands, *parameters, *inputs; /* the last three inside root */
+    json_t *root, *operands, *parameters, *given,
+        *inputs; /* inside root; given: or NULL */
 };
 
 static tz_status no_memory(tz_ctx *ctx)
@@ -51,6 +52,7 @@ tz_status tz_recipe_new(tz_ctx *ctx, const char *version, const char *command,
         goto done;
     if (json_object_set_new(r->root, "operands", r->operands = json_array()) != 0 ||
         json_object_set_new(r->root, "parameters", r->parameters = json_object()) != 0 ||
+        json_object_set_new(r->root, "given", r->given = json_array()) != 0 ||
         json_object_set_new(r->root, "inputs", r->inputs = json_array()) != 0)
         s = no_memory(ctx);
 done:
@@ -108,6 +110,12 @@ tz_status tz_recipe_add_params(tz_recipe *r, const tz_param_table *t, const void
     return TZ_OK;
 }
 
+tz_status tz_recipe_add_given(tz_recipe *r, const char *name)
+{
+    return json_array_append_new(r->given, json_string(name)) == 0 ? TZ_OK
+                                                                   : no_memory(r->ctx);
+}
+
 tz_status tz_recipe_text(const tz_recipe *r, const char *makes, char **out)
 {
     tz_status s = put(r->ctx, r->root, "makes", makes);
@@ -139,6 +147,9 @@ static const char *fault(const tz_recipe *r)
     if (!json_is_object(r->parameters))
         return "parameters";
     json_object_foreach(r->parameters, key, v) if (!json_is_string(v)) return key;
+    if (r->given && !json_is_array(r->given))
+        return "given";
+    json_array_foreach(r->given, i, v) if (!json_is_string(v)) return "given";
     if (!json_is_array(r->inputs))
         return "inputs";
     json_array_foreach(r->inputs, i, v) if (!json_is_string(json_object_get(v, "path")) ||
@@ -162,9 +173,12 @@ tz_status tz_recipe_parse(tz_ctx *ctx, const char *name, const char *text,
         json_decref(root);
         return s;
     }
-    *r =
-        (tz_recipe){ctx, root, json_object_get(root, "operands"),
-                    json_object_get(root, "parameters"), json_object_get(root, "inputs")};
+    *r = (tz_recipe){ctx,
+                     root,
+                     json_object_get(root, "operands"),
+                     json_object_get(root, "parameters"),
+                     json_object_get(root, "given"),
+                     json_object_get(root, "inputs")};
     const char *bad = fault(r);
     if (bad) {
         s = tz_fail(ctx, TZ_FORMAT,
@@ -220,6 +234,15 @@ void tz_recipe_param(const tz_recipe *r, int32_t i, const char **name, const cha
         it = json_object_iter_next(r->parameters, it);
     *name = json_object_iter_key(it);
     *text = json_string_value(json_object_iter_value(it));
+}
+
+bool tz_recipe_given(const tz_recipe *r, const char *name)
+{
+    size_t i;
+    json_t *v;
+    json_array_foreach(r->given, i,
+                       v) if (strcmp(json_string_value(v), name) == 0) return true;
+    return !r->given;
 }
 
 /* ---- finding ---------------------------------------------------------------------- */

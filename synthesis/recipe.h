@@ -8,6 +8,8 @@
  *    "makes": "colour",              which of the command's outputs this is
  *    "operands": ["rocks.jpg"],      as given
  *    "parameters": {"size": "2048x2048", "seed": "7", ...},   every option's text
+ *    "given": ["seed"],              those of them that were named; others hold what the
+ *                                    program has chosen, or chooses again
  *    "inputs": [{"path": "rocks.jpg", "sha256": "..."}, ...]} */
 #ifndef TZ_SYNTHESIS_RECIPE_H
 #define TZ_SYNTHESIS_RECIPE_H
@@ -28,6 +30,8 @@ TZ_API tz_status tz_recipe_add_input(tz_recipe *r, const char *path, const char 
 /** Adds every row of the table; names must not repeat between tables. */
 TZ_API tz_status tz_recipe_add_params(tz_recipe *r, const tz_param_table *t,
                                       const void *s);
+/** Marks a parameter as named on the command line. */
+TZ_API tz_status tz_recipe_add_given(tz_recipe *r, const char *name);
 /** Compact JSON text of the recipe for one output.
  * @param makes     "colour", a map's name, "layout", ...
  * @param[out] out  free with tz_free(ctx, ...) */
@@ -50,6 +54,9 @@ TZ_API void tz_recipe_input(const tz_recipe *r, int32_t i, const char **path,
 TZ_API int32_t tz_recipe_params(const tz_recipe *r);
 TZ_API void tz_recipe_param(const tz_recipe *r, int32_t i, const char **name,
                             const char **text);
+/** Whether a parameter was named on the command line; true for all where the recipe does not
+ * tell. */
+TZ_API bool tz_recipe_given(const tz_recipe *r, const char *name);
 
 /** Finds the recipe text in an image's metadata, an SVG's <metadata> or a JSON file.
  * @param[out] out  free with tz_free(ctx, ...)

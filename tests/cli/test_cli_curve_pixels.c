@@ -55,6 +55,13 @@ static void a_photo_becomes_a_texture_of_its_lines(void **state)
     assert_true(exists("a.png") && exists("a.svg") && exists("e.svg"));
     assert_exit(0, WALL "-o b.png --threads 1");
     assert_exit(0, "$T replay a.png -q -o c.png && cmp a.png c.png");
+    assert_exit(0, "$T expand wall.png --as curves --curve-method quilt --grow 1.1 -q "
+                   "--seeds 3,8 -o v_{seed}.png --save-layout v_{seed}.svg");
+    assert_exit(0, "$T replay v_8.png -o w.png -q && cmp v_8.png w.png");
+    /* the plate goes beside the document and is named after it */
+    assert_exit(0, "$T replay v_3.svg -o w.svg -q && "
+                   "sed 's/w[.]plate/v_%%7Bseed%%7D.plate/' w.svg | cmp - v_3.svg");
+    assert_exit(1, "cmp -s v_3.png v_8.png");
     /* the layout's pixels, whole and in part, and maps of them */
     assert_exit(0, "$T render a.svg -q -o d.png --maps "
                    "id=id.exr,distance=far.exr,along=along.exr,rough=wall.png "

@@ -187,6 +187,17 @@ static void layouts_replay(void **state)
     assert_exit(0,
                 "$T arrange current.svg -o l.svg --size 800x600 --seed 9 --rings 1 -q");
     assert_exit(0, "$T replay l.svg -o m.svg && cmp l.svg m.svg");
+    /* what was not given is found as it was then: size, copies around the border */
+    assert_exit(0, "$T arrange current.svg -o l.svg --grow 1.3 -q && "
+                   "$T replay l.svg -o m.svg -q && cmp l.svg m.svg");
+    assert_exit(0, "$T arrange current.svg -o n.svg --keep l.svg -q && "
+                   "$T replay n.svg -o m.svg -q && cmp n.svg m.svg");
+    /* each of some variants its own seed */
+    assert_exit(0, "$T expand current.svg -o v_{seed}.png --grow 1.2 --seeds 3,8 -q "
+                   "--save-layout v_{seed}.svg");
+    assert_exit(0, "$T replay v_8.png -o w.png -q && cmp v_8.png w.png");
+    assert_exit(0, "$T replay v_3.svg -o w.svg -q && cmp v_3.svg w.svg");
+    assert_exit(1, "cmp -s v_3.png v_8.png");
 }
 
 /* ---- pixels --------------------------------------------------------------------------- */
