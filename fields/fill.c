@@ -55,7 +55,8 @@ void tz_fill_end(tz_fill *f)
         f->node,       f->weight, f->third,    f->target,     f->target_c, f->target_rho,
         f->confident,  f->said_c, f->said_rho, f->link_start, f->edge_to,  f->edge_w,
         f->link_count, f->diag,   f->rank,     f->gradient,   f->step,     f->kept,
-        f->block,      f->work,   f->pressure, f->prior,      f->wide};
+        f->block,      f->work,   f->pressure, f->prior,      f->wide,     f->peer,
+        f->named};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         tz_free(ctx, all[i]);
     tz_free(ctx, f);
@@ -164,6 +165,7 @@ static tz_status iterate_once(tz_fill *f, tz_fill_energy *e)
     if (s != TZ_OK || f->live.n == 0)
         return s;
     tz_fill_release(f);
+    f->guided = fmin(fmax(1.5 - f->iteration / 40.0, 0), 1);
     const tz_power_cells cells = tz_power_get(f->power);
     s = tz_fill_neighbours(f, &cells);
     double pair[2];

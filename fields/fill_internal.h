@@ -15,7 +15,9 @@
  *   fill.c           driver            fill_model.c   palette, bodies
  *   fill_lists.c     what is awake, the diagram
  *   fill_solve.c     conjugate gradients over nodes
- *   fill_terms.c     neighbours, Eq. (5) to (12): scale, density and orientation step
+ *   fill_links.c     neighbours of samples, what the field says to them
+ *   fill_peers.c     neighbours of rigid things
+ *   fill_terms.c     Eq. (5) to (12): scale, density and orientation step
  *   fill_place.c     Eq. (1) to (4): distribution and graph step
  *   fill_guide.c     sizes between strokes, before there are things
  *   fill_start.c     initialisation, insertion, teleportation
@@ -36,6 +38,7 @@ enum {
                                  block, so that threads do not matter */
     TZ_FILL_SERIAL = 2048,  /**< below that many the caller does all itself */
     TZ_FILL_MOST = 2000000, /**< bodies */
+    TZ_FILL_PEERS = 6,      /**< things that a thing is compared with */
     TZ_FILL_FEW = 4,        /**< outline points that are looked at together */
     TZ_FILL_BORDER = 64     /**< outline points of a model that contacts are found at */
 };
@@ -49,6 +52,7 @@ typedef struct tz_fill_model {
     double angle, scale; /**< of the palette's element */
     double rigidity, share, size[2], turn, jitter;
     double area, reach; /**< of its shape; farthest that it gets from its centre */
+    bool round;         /**< has no direction that is seen */
     double rim;         /**< farthest that its outline lies beyond the discs */
     int32_t n;          /**< discs */
     tz_vec3 rest[TZ_COVER_DISCS];
@@ -109,6 +113,7 @@ tz_status tz_fill_blocks(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
 typedef struct tz_fill_link {
     int32_t to;    /**< node */
     double wc, wr; /**< continuity, times how often; rigidity */
+    double wt;     /**< continuity of directions */
 } tz_fill_link;
 
 /** Directions, sizes and densities between strokes, on a coarse grid; NULL = nothing is said. */
@@ -144,6 +149,7 @@ struct tz_fill {
     int32_t *owner, *node;
     double unit; /**< mean radius of discs: lengths in energies */
     bool any_density, any_size, any_direction;
+    bool any_soft, any_pointed; /**< of the models that have come so far */
     tz_fill_guide guide;
     tz_power *power;
     bool fresh; /**< the diagram is that of the places */
@@ -164,6 +170,10 @@ struct tz_fill {
     double *third;  /**< key of the third nearest */
     double *target; /**< m: direction said; size, density said */
     double *target_c, *target_rho, *confident, *said_c, *said_rho;
+    int32_t
+        *peer; /**< TZ_FILL_PEERS a body, nearest first, -1 = no more; of what is awake */
+    int32_t *named; /**< a body: links to peers */
+    int32_t peer_cap;
     double *prior; /**< confidence of directions between strokes */
     int32_t *link_start, *link_count;
     TZ_ARRAY(tz_fill_link)
@@ -175,7 +185,8 @@ struct tz_fill {
     double *work;
     double *pressure; /**< a sample: sum of what it lacks */
     double lambda;
-    double calm; /**< factor of Eq. (1); 1 as published */
+    double guided; /**< factor of what is said between strokes */
+    double calm;   /**< factor of Eq. (1); 1 as published */
     int32_t iteration;
     int32_t moved, shrunk, dropped, inserted;
 };
@@ -284,9 +295,22 @@ tz_status tz_fill_lists(tz_fill *f);
 /** The diagram of all samples, unless it is fresh. */
 tz_status tz_fill_diagram(tz_fill *f);
 
-/* fill_terms.c */
+/* fill_peers.c */
+/** Of each thing that is awake the nearest rigid ones that point somewhere. */
+tz_status tz_fill_peers(tz_fill *f);
+/** How many links that makes; adds them behind those of samples. */
+void tz_fill_count_peers(tz_fill *f);
+void tz_fill_link_peers(tz_fill *f);
+/** Round things take the mean direction of their peers. */
+void tz_fill_turn_rounds(tz_fill *f);
+/** Where a rigid body's reference point is. */
+tz_vec3 tz_fill_middle(const tz_fill *f, const tz_fill_body *b);
+
+/* fill_links.c */
 /** After the cells are known: links, what the field says. */
 tz_status tz_fill_neighbours(tz_fill *f, const tz_power_cells *cells);
+
+/* fill_terms.c */
 tz_status tz_fill_scale_step(tz_fill *f, double before_after[2]);
 tz_status tz_fill_turn_step(tz_fill *f, double before_after[2]);
 /** Half gradient and energy of the orientation terms; grad of m a node may be NULL. */

@@ -243,6 +243,32 @@ static tz_status take_samples(tz_ctx *ctx, const tz_element_set *p, tz_fill_mode
     return s;
 }
 
+/* Nearly as far in all directions: no direction is seen. */
+static bool is_round(const tz_fill_model *m)
+{
+    double least = HUGE_VAL, most = 0;
+    for (int32_t k = 0; k < m->borders; k++) {
+        const double r = hypot(m->border[k].x, m->border[k].y);
+        least = fmin(least, r), most = fmax(most, r);
+    }
+    return least > 0.95 * most;
+}
+
+/* Things that stay as they came say nothing of directions. Where all things are round the
+ * pictures on them may still have one. */
+static void note_rounds(tz_fill *f)
+{
+    f->any_pointed = f->any_soft = false;
+    for (int32_t k = 0; k < f->entries; k++) {
+        tz_fill_model *m = &f->model.v[k];
+        m->round = is_round(m);
+        f->any_pointed = f->any_pointed || !m->round;
+        f->any_soft = f->any_soft || m->rigidity < TZ_FILL_RIGID;
+    }
+    for (int32_t k = 0; k < f->entries; k++)
+        f->model.v[k].round = f->model.v[k].round && f->any_pointed;
+}
+
 static tz_status add_model(tz_fill *f, const tz_element_set *set, tz_fill_model m)
 {
     tz_status s = make_shape(f->ctx, &set->symbol.v[m.symbol], f->par.discs, &m);
@@ -267,6 +293,7 @@ tz_status tz_fill_model_of_symbol(tz_fill *f, const tz_element_set *set, int32_t
     return add_model(f, set,
                      (tz_fill_model){.symbol = symbol,
                                      .element = -1,
+                                     .round = true,
                                      .scale = 1,
                                      .rigidity = TZ_FILL_RIGID,
                                      .size = {1, 1}});
@@ -398,6 +425,7 @@ tz_status tz_fill_models(tz_fill *f)
     f->entries = f->model.n;
     if (s != TZ_OK)
         return s;
+    note_rounds(f);
     return fit_sizes(f);
 }
 

@@ -1,195 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Neighbours, and the field terms: Eq. (5) to (12).
- *
- * Links of a node are its samples' three (in space four) nearest samples of other bodies,
- * by distance over the sum of radii, and theirs; [Hsu20] takes the nearest of all, but
- * samples of one body overlap and would be all of them, so that bodies of many discs had
- * no continuity with others. Of a soft body the samples that its graph joins are linked
- * too, so that it stays smooth at rigidity 0. That s' is among the nearest of s is read
- * off the third smallest key of s, so that lists need not be turned round.
- *
- * Confidence, Eq. (7), is area over that of a unit of the domain; a pixel there, here
- * 1/CONFIDENT of a mean disc, so that nothing depends on units. */
+/* The field terms: Eq. (5) to (12), over the links of fill_links.c and fill_peers.c. */
 #include "fields/fill_internal.h"
 
 #include <string.h>
 
-#define CONFIDENT 100.0
-#define PRIOR     0.3  /* confidence of directions between strokes */
-#define SMALL     1e-3 /* change of a scale or a column that does not matter */
-enum { ROUNDS = 40, LM_STEPS = 2 };
-
-/* ---- neighbours --------------------------------------------------------------------- */
-
-typedef struct near_run {
-    tz_fill *f;
-    const tz_power_cells *cells;
-} near_run;
-
-/* Distance over the sum of radii: w_v^-1 of Eq. (2). */
-static double key_of(const tz_fill *f, int32_t s, int32_t t)
-{
-    const tz_vec3 v = tz_fill_vector(f, f->at[s], f->at[t]);
-    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z) /
-           (tz_fill_radius(f, s) + tz_fill_radius(f, t));
-}
-
-static void find_thirds(void *arg, int32_t from, int32_t to, double sums[4])
-{
-    const near_run *t = arg;
-    tz_fill *f = t->f;
-    const int most = f->dim + 1;
-    (void)sums;
-    for (int32_t j = from; j < to; j++) {
-        const int32_t s = f->live_sample.v[j];
-        double best[4] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
-        const int32_t *near = t->cells->neighbour + t->cells->start[s];
-        for (int32_t k = 0; k < t->cells->count[s]; k++) {
-            if (f->owner[near[k]] == f->owner[s])
-                continue;
-            double key = key_of(f, s, near[k]);
-            for (int i = 0; i < most; i++)
-                if (key < best[i]) {
-                    const double swap = best[i];
-                    best[i] = key, key = swap;
-                }
-        }
-        double last = 0;
-        for (int i = 0; i < most; i++)
-            last = best[i] < HUGE_VAL ? best[i] : last;
-        f->third[s] = last;
-    }
-}
-
-/* Eq. (8) lets neighbours that point apart ignore each other, so that whirls drift until
- * they find a seam. A weak word of what lies harmonically between the strokes, weaker
- * where these disagree, keeps them in place. */
-static void look_between(tz_fill *f, int32_t s, tz_vec3 at)
-{
-    tz_vec2 v;
-    const double l = tz_fill_direction(f, at, &v);
-    f->prior[s] = PRIOR * l * l;
-    f->target[2 * (ptrdiff_t)s] = v.x, f->target[2 * (ptrdiff_t)s + 1] = v.y;
-}
-
-static void look_up(tz_fill *f, int32_t s)
-{
-    const tz_element_field *d = f->field;
-    const double r = f->c[s] * f->radius[s];
-    const double sure = CONFIDENT * r * r / (f->unit * f->unit);
-    f->confident[s] = f->said_c[s] = f->said_rho[s] = 0;
-    f->prior[s] = 0;
-    if (!f->any_direction && !f->any_size && !f->any_density)
-        return;
-    const bool any[3] = {f->any_direction, f->any_size, f->any_density};
-    const tz_vec3 at = tz_domain_wrap(&f->domain, f->at[s]);
-    const int64_t i = tz_raster_at(&d->raster, at);
-    for (int what = 0; what < 3; what++) {
-        const int32_t n = any[what] ? d->nearest[what][i] : -1;
-        if (n < 0)
-            continue;
-        if (what == 0 && f->par.start == TZ_FILL_INSERT)
-            look_between(f, s, at);
-        const tz_element_field_cell *c = &d->cell[n];
-        if (n != i) { /* under the disc, though not under its centre */
-            const tz_raster *g = &d->raster;
-            const tz_vec3 q = {(n % g->width + 0.5) * g->size.x / g->width,
-                               (n / g->width + 0.5) * g->size.y / g->height, at.z};
-            const tz_vec3 v = tz_fill_vector(f, at, q);
-            if (v.x * v.x + v.y * v.y > r * r)
-                continue;
-        }
-        const double w = sure * (double)c->weight[what];
-        if (what == 0) {
-            f->confident[s] = w, f->prior[s] = 0;
-            f->target[2 * (ptrdiff_t)s] = (double)c->x;
-            f->target[2 * (ptrdiff_t)s + 1] = (double)c->y;
-        } else if (what == 1) {
-            f->said_c[s] = w, f->target_c[s] = (double)c->size;
-        } else {
-            f->said_rho[s] = w, f->target_rho[s] = 1 - (double)c->density;
-        }
-    }
-}
-
-static void link_samples(void *arg, int32_t from, int32_t to, double sums[4])
-{
-    const near_run *t = arg;
-    tz_fill *f = t->f;
-    (void)sums;
-    for (int32_t j = from; j < to; j++) {
-        const int32_t node = f->live_node.v[j];
-        const tz_fill_body *b = &f->body.v[f->owner[node]];
-        const tz_fill_model *m = &f->model.v[b->model];
-        const bool tied = m->rigidity >= TZ_FILL_RIGID;
-        int32_t n = f->link_start[node];
-        for (int32_t s = node; s < node + (tied ? b->n : 1); s++) {
-            const int32_t *near = t->cells->neighbour + t->cells->start[s];
-            if (f->dim == 2)
-                look_up(f, s);
-            else
-                f->prior[s] = 0;
-            for (int32_t k = 0; k < t->cells->count[s]; k++) {
-                const int32_t q = near[k];
-                if (f->owner[q] == f->owner[s])
-                    continue;
-                const double key = key_of(f, s, q);
-                const int often = (key <= f->third[s]) + (key <= f->third[q]);
-                if (often)
-                    f->link.v[n++] =
-                        (tz_fill_link){f->node[q], often / (1 + key * key), 0};
-            }
-        }
-        const int32_t own = node - b->first;
-        for (int32_t k = m->start[own]; k < m->start[own + 1] && !tied; k++) {
-            const int32_t q = b->first + m->near[k];
-            const double key = key_of(f, node, q);
-            f->link.v[n++] = (tz_fill_link){q, 2 / (1 + key * key), 2 * m->rigidity};
-        }
-        f->link_count[node] = n - f->link_start[node];
-    }
-}
-
-static tz_status reserve_links(tz_fill *f, const tz_power_cells *cells)
-{
-    int64_t n = 0;
-    for (int32_t j = 0; j < f->live_sample.n; j++) {
-        const int32_t s = f->live_sample.v[j];
-        f->link_start[s] = (int32_t)n;
-        n += cells->count[s];
-        if (f->node[s] == s) {
-            const tz_fill_model *m = &f->model.v[f->body.v[f->owner[s]].model];
-            if (m->rigidity < TZ_FILL_RIGID) {
-                const int32_t own = s - f->body.v[f->owner[s]].first;
-                n += m->start[own + 1] - m->start[own];
-            }
-        }
-        if (n > INT32_MAX / 4)
-            return tz_fail(f->ctx, TZ_LIMIT, "too many neighbours of samples");
-    }
-    tz_status s = tz_array_reserve(f->ctx, &f->link, n);
-    if (s == TZ_OK && n > f->edge_cap) {
-        const size_t cap = (size_t)n + (size_t)n / 4;
-        s = tz_realloc(f->ctx, &f->edge_to, cap, sizeof *f->edge_to);
-        if (s == TZ_OK)
-            s = tz_realloc(f->ctx, &f->edge_w, cap * (size_t)f->columns,
-                           sizeof *f->edge_w);
-        if (s == TZ_OK)
-            f->edge_cap = (int32_t)cap;
-    }
-    return s;
-}
-
-tz_status tz_fill_neighbours(tz_fill *f, const tz_power_cells *cells)
-{
-    near_run t = {f, cells};
-    tz_status s = reserve_links(f, cells);
-    if (s == TZ_OK)
-        s = tz_fill_blocks(f->ctx, f->live_sample.n, find_thirds, &t, NULL);
-    if (s == TZ_OK)
-        s = tz_fill_blocks(f->ctx, f->live_node.n, link_samples, &t, NULL);
-    return s;
-}
+#define SMALL 1e-5 /* residual over diagonal; of a step that goes far it is far less */
+enum { ROUNDS = 16, LM_STEPS = 2 };
 
 /* ---- scalars: Eq. (12) -------------------------------------------------------------- */
 
@@ -396,7 +212,7 @@ static inline void weigh_turns(const turn_run *t, int32_t from, int32_t to,
                     d2 += (u[k] - v[k]) * (u[k] - v[k]);
                 }
                 if (t->weights)
-                    *w = a2 * l->wc * (dot > 0 ? dot : 0) + l->wr;
+                    *w = a2 * l->wt * (dot > 0 ? dot : 0) + l->wr;
                 for (int k = c * per; k < (c + 1) * per; k++)
                     g[k] += *w * (u[k] - v[k]);
                 sums[1] += half * (*w - l->wr) * d2;
@@ -524,7 +340,7 @@ tz_status tz_fill_turn_step(tz_fill *f, double before_after[2])
             break;
         const double after = total(sums);
         if (after <= energy) {
-            const bool enough = after > 0.995 * energy;
+            const bool enough = after > 0.999 * energy;
             energy = after;
             t.lambda = fmax(t.lambda / 3, 1e-6);
             if (enough)
@@ -538,6 +354,8 @@ tz_status tz_fill_turn_step(tz_fill *f, double before_after[2])
     }
     f->lambda = t.lambda;
     before_after[1] = energy;
+    if (s == TZ_OK && f->dim == 2)
+        tz_fill_turn_rounds(f);
     if (s == TZ_OK)
         s = tz_fill_blocks(f->ctx, f->live_sample.n, spread_turn, &t, NULL);
     return s;

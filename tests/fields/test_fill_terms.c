@@ -80,6 +80,7 @@ static void make(chains *c, int dim, double rigidity)
     f->par = filling_params(0);
     f->unit = 0.6;
     f->stale = true;
+    f->any_pointed = true, f->any_soft = rigidity < TZ_FILL_RIGID;
     ok(c->ctx, tz_fill_reserve(f, N));
     ok(c->ctx, tz_array_push(c->ctx, &f->model, model));
     for (int b = 0; b < BODIES; b++) {
