@@ -29,7 +29,11 @@
 enum {
     SLAB = 1 << 16, /* cells whose rings wait to be written */
     CHUNK = 64,     /* of them that one task finds */
-    FEW = 512       /* cells that are not worth waking others for */
+    FEW = 512,      /* cells that are not worth waking others for */
+    /* What has been done about a cell, over the stamp of the update. */
+    SEEN = 0,
+    DIRTY = 1,
+    DONE = 2
 };
 
 /* ---- making ------------------------------------------------------------------------- */
@@ -69,7 +73,7 @@ void tz_power_free(tz_power *p)
         tz_array_free(ctx, &p->blocks[k].v);
     void *const all[] = {p->work,   p->blocks, p->area,  p->gap,  p->centre,
                          p->gap_at, p->start,  p->count, p->kind, p->mark,
-                         p->next,   p->cell,   p->level, p->fresh};
+                         p->next,   p->cell,   p->level, p->found};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         tz_free(ctx, all[i]);
     tz_array_free(ctx, &p->neighbour.v);
@@ -117,8 +121,8 @@ static tz_status reserve(tz_power *p, int32_t n)
             return s;
         p->cap = (int32_t)cap;
     }
-    if (!p->fresh)
-        s = tz_alloc(p->ctx, &p->fresh, SLAB, sizeof *p->fresh);
+    if (!p->found)
+        s = tz_alloc(p->ctx, &p->found, SLAB, sizeof *p->found);
     if (s == TZ_OK && !p->blocks) {
         s = tz_alloc_zero(p->ctx, &p->blocks, SLAB / CHUNK, sizeof *p->blocks);
         p->block_cap = s == TZ_OK ? SLAB / CHUNK : 0;
@@ -140,7 +144,7 @@ static tz_status reserve(tz_power *p, int32_t n)
 
 /* The ring of a polygon; beside one side it begins after it. */
 static tz_status add_ring(tz_power *p, const tz_power_polygon *c, tz_power_list *to,
-                          int32_t *count)
+                          tz_power_found *found)
 {
     const tz_power_corner *v = c->k->a.v;
     const int32_t n = c->k->a.n, first = to->v.n;
@@ -153,7 +157,7 @@ static tz_status add_ring(tz_power *p, const tz_power_polygon *c, tz_power_list 
         kind = sides > 1 ? TZ_POWER_ODD : (uint8_t)(TZ_POWER_SIDE - 1 - v[side].site);
     const tz_status s = tz_array_reserve(p->ctx, &to->v, (int64_t)first + n);
     for (int32_t e = 1; e <= n && s == TZ_OK; e++) {
-        const int32_t q = v[(side + e) % n].site;
+        const int32_t q = v[(side + e) % n].site, k = to->v.n - first;
         bool new = q != c->site &&q >= 0;
         for (int32_t j = first; j < to->v.n && new; j++)
             new = to->v.v[j] != q;
@@ -161,25 +165,27 @@ static tz_status add_ring(tz_power *p, const tz_power_polygon *c, tz_power_list 
             to->v.v[to->v.n++] = q;
         else if (q >= 0)
             kind = TZ_POWER_ODD;
+        else if (k > 0 && k <= 64)
+            found->sides |= (uint64_t)1 << (k - 1);
     }
-    *count = to->v.n - first;
-    p->kind[c->site] = *count < 2 ? TZ_POWER_ODD : kind;
+    found->count = to->v.n - first;
+    p->kind[c->site] = found->count < 2 ? TZ_POWER_ODD : kind;
     return s;
 }
 
 static tz_status find_cell(tz_power *p, int32_t i, tz_power_scratch *k, tz_power_list *to,
-                           int32_t *count)
+                           tz_power_found *found)
 {
     tz_power_polygon c = tz_power_polygon_of(p, i, k);
     tz_status s = TZ_OK;
-    *count = 0;
+    *found = (tz_power_found){0, 0};
     p->kind[i] = TZ_POWER_ODD;
     if (p->weight[i] >= 0)
         s = tz_power_clip(&c);
     if (s != TZ_OK)
         return s;
     tz_power_measure(p, &c);
-    return c.k->a.n < 3 ? TZ_OK : add_ring(p, &c, to, count);
+    return c.k->a.n < 3 ? TZ_OK : add_ring(p, &c, to, found);
 }
 
 /* A chunk of the slab; rings of before are read, those found wait in the block. */
@@ -193,15 +199,16 @@ static tz_status find_chunk(tz_ctx *ctx, void *arg, int64_t b, int worker)
     tz_status s = tz_array_reserve(ctx, &to->v, CHUNK * 7);
     to->v.n = 0;
     for (int32_t k = first; k < end && s == TZ_OK; k++)
-        s = find_cell(p, p->dirty.v.v[p->from + k], &p->work[worker], to, &p->fresh[k]);
+        s = find_cell(p, p->dirty.v.v[p->from + k], &p->work[worker], to, &p->found[k]);
     return s;
 }
 
+/* To be clipped, unless it is or has been. */
 static tz_status touch(tz_power *p, int32_t i)
 {
-    if (p->mark[i] == p->stamp)
+    if (p->mark[i] >= p->stamp + DIRTY)
         return TZ_OK;
-    p->mark[i] = p->stamp;
+    p->mark[i] = p->stamp + DIRTY;
     return tz_array_push(p->ctx, &p->dirty.v, i);
 }
 
@@ -211,7 +218,7 @@ static tz_status touch_lost(tz_power *p, int32_t i, int32_t n, const int32_t *ri
     tz_status s = TZ_OK;
     for (int32_t k = p->start[i]; k < p->start[i] + p->count[i] && s == TZ_OK; k++) {
         const int32_t q = p->neighbour.v.v[k];
-        bool lost = p->mark[q] != p->stamp;
+        bool lost = p->mark[q] < p->stamp + DIRTY;
         for (int32_t e = 0; e < n && lost; e++)
             lost = ring[e] != q;
         if (lost)
@@ -256,12 +263,13 @@ static tz_status write_ring(tz_power *p, int32_t i, int32_t n, const int32_t *ri
         memcpy(to->v.v + p->start[i], ring, (size_t)n * sizeof *ring);
     if (n > p->count[i])
         to->v.n += n;
+    p->mark[i] = p->stamp + DONE;
     p->used += n - p->count[i];
     p->count[i] = n;
     return n == 0 && p->weight[i] >= 0 ? tz_array_push(p->ctx, &p->hidden.v, i) : s;
 }
 
-/* Whether b follows a in the ring of s, or a side lies between them. */
+/* Whether b follows a in the ring of s. */
 static bool follows(const tz_power *p, int32_t s, int32_t a, int32_t b)
 {
     const int32_t n = p->count[s], *ring = p->neighbour.v.v + p->start[s];
@@ -271,28 +279,33 @@ static bool follows(const tz_power *p, int32_t s, int32_t a, int32_t b)
     return false;
 }
 
+/* Whether q's ring has i at its side: as its first, or its last. Where odd rings have their
+ * sides is not known: they are found anew. */
+static bool ends_with(const tz_power *p, int32_t q, int32_t i, bool last)
+{
+    const int32_t n = p->count[q];
+    if (p->kind[q] == TZ_POWER_ODD)
+        return p->mark[q] >= p->stamp + DIRTY;
+    return p->kind[q] != TZ_POWER_INNER && n > 0 &&
+           p->neighbour.v.v[p->start[q] + (last ? n - 1 : 0)] == i;
+}
+
 /* Neighbours that do not agree with a ring just written are found anew, too; where both
  * are new, rounding is at work, and they stay odd. */
-static tz_status agree(tz_power *p, int32_t i)
+static tz_status agree(tz_power *p, int32_t i, uint64_t sides)
 {
     const int32_t n = p->count[i], *ring = p->neighbour.v.v + p->start[i];
-    const bool side = p->kind[i] >= TZ_POWER_SIDE && p->kind[i] < TZ_POWER_ODD;
     tz_status s = TZ_OK;
     for (int32_t k = 0; k < n && s == TZ_OK; k++) {
         const int32_t a = ring[k], b = ring[k + 1 < n ? k + 1 : 0];
-        const bool gap = side && k == n - 1;
+        const bool side = k < 64 && (sides >> k & 1);
         for (int end = 0; end < 2 && s == TZ_OK; end++) {
             const int32_t q = end ? b : a;
-            bool same;
-            if (gap) /* a side lies between: before the first, or after the last */
-                same = p->kind[q] == TZ_POWER_ODD ||
-                       (p->kind[q] == p->kind[i] && p->count[q] > 0 &&
-                        p->neighbour.v.v[p->start[q] + (end ? p->count[q] - 1 : 0)] == i);
-            else
-                same = end ? follows(p, b, i, a) : follows(p, a, b, i);
-            if (same)
+            if (side  ? ends_with(p, q, i, end)
+                : end ? follows(p, b, i, a)
+                      : follows(p, a, b, i))
                 continue;
-            if (p->mark[q] != p->stamp)
+            if (p->mark[q] != p->stamp + DONE)
                 s = touch(p, q);
             else
                 p->kind[i] = p->kind[q] = TZ_POWER_ODD;
@@ -316,12 +329,12 @@ static tz_status settle(tz_power *p)
         for (int32_t b = 0, k = 0; b < chunks && s == TZ_OK; b++) {
             const int32_t *ring = p->blocks[b].v.v;
             for (int32_t e = 0; e < CHUNK && k < n && s == TZ_OK; e++, k++) {
-                s = write_ring(p, p->dirty.v.v[p->from + k], p->fresh[k], ring);
-                ring += p->fresh[k];
+                s = write_ring(p, p->dirty.v.v[p->from + k], p->found[k].count, ring);
+                ring += p->found[k].count;
             }
         }
         for (int32_t k = 0; k < n && s == TZ_OK; k++)
-            s = agree(p, p->dirty.v.v[p->from + k]);
+            s = agree(p, p->dirty.v.v[p->from + k], p->found[k].sides);
         p->from += n;
     }
     return s == TZ_OK ? compact(p) : s;
@@ -356,20 +369,20 @@ static tz_status refresh_block(tz_ctx *ctx, void *arg, int64_t b, int worker)
         bool valid;
         s = refresh(p, i, &p->work[worker], &valid);
         if (!valid)
-            p->mark[i] = p->stamp;
+            p->mark[i] = p->stamp + DIRTY;
     }
     return s;
 }
 
-/* Begins a new update. Marks: its stamp = to be clipped, or clipped; one less = looked at. */
+/* Begins a new update: marks of those before are less than its stamp. */
 static tz_status begin(tz_power *p, int32_t n, const tz_vec3 *at, const double *weight)
 {
     const tz_status s = reserve(p, n);
     p->at = at, p->weight = weight;
     p->dirty.v.n = 0;
-    if (s == TZ_OK && (p->stamp += 2) > INT32_MAX - 2) {
+    if (s == TZ_OK && (p->stamp += DONE + 1) > INT32_MAX - 2 * DONE) {
         memset(p->mark, 0, (size_t)n * sizeof *p->mark);
-        p->stamp = 2;
+        p->stamp = DONE + 1;
     }
     return s;
 }
@@ -380,7 +393,7 @@ static tz_status settle_all(tz_power *p)
     tz_status s = tz_array_reserve(p->ctx, &p->dirty.v, p->n);
     p->dirty.v.n = p->hidden.v.n = 0;
     for (int32_t i = 0; i < p->n && s == TZ_OK; i++) {
-        p->mark[i] = p->stamp;
+        p->mark[i] = p->stamp + DIRTY;
         p->dirty.v.v[p->dirty.v.n++] = i;
     }
     return s == TZ_OK ? settle(p) : s;
@@ -410,7 +423,7 @@ tz_status tz_power_update(tz_power *p, int32_t n, const tz_vec3 *at, const doubl
                             refresh_block, p);
     p->hidden.v.n = 0;
     for (int32_t i = 0; i < n && s == TZ_OK; i++)
-        if (p->mark[i] == p->stamp)
+        if (p->mark[i] == p->stamp + DIRTY)
             s = tz_array_push(p->ctx, &p->dirty.v, i);
     if (s == TZ_OK)
         s = settle(p);
@@ -425,9 +438,9 @@ tz_status tz_power_update(tz_power *p, int32_t n, const tz_vec3 *at, const doubl
 static tz_status look_at(tz_power *p, int32_t i)
 {
     bool valid;
-    if (p->mark[i] >= p->stamp - 1)
+    if (p->mark[i] >= p->stamp + SEEN)
         return TZ_OK;
-    p->mark[i] = p->stamp - 1;
+    p->mark[i] = p->stamp + SEEN;
     const tz_status s = refresh(p, i, &p->work[0], &valid);
     return s == TZ_OK && !valid ? touch(p, i) : s;
 }

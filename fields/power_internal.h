@@ -39,6 +39,13 @@ typedef struct tz_power_list {
     v;
 } tz_power_list;
 
+/** A ring just found: its neighbours, and after which of them a side comes (of the first
+ * 64). */
+typedef struct tz_power_found {
+    int32_t count;
+    uint64_t sides;
+} tz_power_found;
+
 /** A worker's: corners of the running cell. */
 typedef struct tz_power_scratch {
     TZ_ARRAY(tz_power_corner)
@@ -57,7 +64,7 @@ struct tz_power {
     tz_vec2 *centre, *gap_at;
     int32_t *start, *count;
     uint8_t *kind;           /**< of the ring */
-    int32_t *mark;           /**< stamp of the update that last clipped it */
+    int32_t *mark;           /**< stamp of the update that last did something about it */
     tz_power_list neighbour; /**< what start points into */
     int64_t used;            /**< of it */
     int32_t stamp;
@@ -72,7 +79,8 @@ struct tz_power {
     tz_power_list *blocks; /**< rings just found, by tasks */
     int32_t block_cap;
     tz_power_list dirty, hidden;
-    int32_t from, *fresh; /**< of a slab of dirty cells: counts of their rings */
+    int32_t from; /**< where a slab of dirty cells begins */
+    tz_power_found *found;
 };
 
 /** The running cell: a polygon about its site. A corner's site is that beyond the edge
