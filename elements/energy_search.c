@@ -47,7 +47,7 @@ typedef struct quest {
     double cost; /* of the best, with the term of Eq. (6) */
     tz_vec2 q;   /* attributes of the centre */
     double frame, cosine, sine;
-    double scale, size; /* of distances and things against the exemplar's */
+    double scale, size; /* of distances, and of things, against the exemplar's */
     bool plain;         /* the frame is the exemplar's */
     bool border;        /* Eq. (6) matters here */
 } quest;
@@ -81,7 +81,8 @@ static void add_neighbour(quest *k, const tz_nearby *v, bool own)
     s->x[j] = v->x, s->y[j] = v->y;
     s->a[j] = (float)t->attribute[id].x, s->b[j] = (float)t->attribute[id].y;
     if (!k->plain) { /* o^-1 of Eq. (7) */
-        const double cosine = k->cosine / k->scale, sine = k->sine / k->scale;
+        const double scale = own ? k->size : k->scale;
+        const double cosine = k->cosine / scale, sine = k->sine / scale;
         const double x = (double)v->x, y = (double)v->y;
         s->x[j] = (float)(cosine * x + sine * y);
         s->y[j] = (float)(cosine * y - sine * x);
@@ -245,7 +246,6 @@ static void keep_pairs(const quest *k)
 {
     tz_energy_state *t = k->t;
     const tz_energy_exemplar *x = t->x;
-    const double cosine = k->scale * k->cosine, sine = k->scale * k->sine;
     for (int32_t j = 0; j < t->count[k->o]; j++) {
         const ptrdiff_t at = (ptrdiff_t)k->o * NEAR + k->w->order[j];
         const int32_t m = k->best < 0 ? -1 : k->w->best_to[j];
@@ -254,6 +254,9 @@ static void keep_pairs(const quest *k)
         if (m < 0)
             continue;
         const tz_pairing_side *s = &x->side[k->best], *mine = &k->w->side;
+        const bool own = t->owner[t->near[at]] == t->owner[k->o];
+        const double scale = own ? k->size : k->scale;
+        const double cosine = scale * k->cosine, sine = scale * k->sine;
         const double dx = (double)(s->x[m] - mine->x[j]);
         const double dy = (double)(s->y[m] - mine->y[j]);
         t->pair[at] = x->member[(ptrdiff_t)k->best * MOST + m];
