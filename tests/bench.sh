@@ -520,7 +520,8 @@ with start and repair; 100,000 samples under 0.3 s an iteration and 500 MiB; an 
     "$tools/bench_fill" strokes 1000000 | pairs 1 | tee "$out/lines" |
         awk '{ printf "  %d strokes read and settled: %.2f s, %d MiB\n", $1, $2, $4 }'
     rows fields-strokes strokes seconds cpu peak_mib <"$out/lines"
-    title "fields: ten cases, means of three seeds (goals: ours better than two-step in each;
+    title "fields: ten cases, means of three seeds, published and
+two-step-ours of one (goals: ours better than two-step in each;
 overlap under 0.005). Angles in degrees"
     mkdir -p "$out/fields"
     "$tools/bench_fill" cases "$out/fields" >"$out/cases" || return 1

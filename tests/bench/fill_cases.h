@@ -25,8 +25,8 @@ void fill_palette(tz_ctx *ctx, const char *const *shape, int n, tz_element_set *
 tz_fill_params fill_defaults(void);
 
 /** Fills the cases whose names hold `only` and prints a line for each way, means of the
- * seeds 7, 8, ..., then for each measure in how many cases ours is better, equal
- * (within what the rasters resolve) and worse.
+ * seeds 7, 8, ... (published and two-step-ours: of 7 alone), then for each measure in how
+ * many cases ours is better, equal (within what the rasters resolve) and worse.
  * Angles are in degrees; bend is degrees a unit of distance between neighbours, so that
  * fewer things do not count as rougher; hole is the radius of the largest empty disc over
  * the side; first is what is covered at initialisation.
