@@ -12,6 +12,7 @@ static void symbol_deinit(tz_ctx *ctx, tz_element_symbol *y)
 {
     tz_free(ctx, y->id);
     tz_free(ctx, y->markup);
+    tz_free(ctx, y->words);
     tz_array_free(ctx, &y->outline);
     tz_array_free(ctx, &y->part);
 }

@@ -51,6 +51,8 @@ typedef struct tz_element_kind {
 typedef struct tz_element_symbol {
     char *id;      /**< of the <symbol> in documents, owned */
     char *markup;  /**< SVG content of the <symbol>, owned, "" = a plain disc */
+    char *words;   /**< names and words ("leaf share=3") that its drawing has for it, with
+                        blanks between; owned; NULL = not kept (layouts) */
     double radius; /**< of the circle about the origin that holds it */
     TZ_ARRAY(tz_vec2)
     outline; /**< polygons, flattened to 1/50 of the radius */

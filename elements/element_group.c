@@ -169,6 +169,8 @@ static tz_status add_thing(tz_element_reader *r, int32_t item, const tz_part *p)
                         .items = r->item.n - item,
                         .map = tz_affine_identity(),
                         .name = p->name,
+                        .node = p->node,
+                        .up = p->up,
                         .order = p->order,
                         .line = p->line};
     return tz_array_push(r->ctx, &r->thing, t);

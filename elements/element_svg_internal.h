@@ -44,6 +44,8 @@ typedef struct tz_part {
     const char *id;    /**< or NULL */
     const char *label; /**< inkscape:label, or NULL */
     const char *group; /**< tz:class of the innermost group or <use> that has one */
+    tz_svg_node node,
+        up; /**< what it is drawn by; the innermost group about it, or NULL */
 } tz_part;
 
 /** A group of the document: parts first .. end - 1, and the spans within it follow. */
@@ -54,12 +56,13 @@ typedef struct tz_span {
 
 /** One element to be. */
 typedef struct tz_thing {
-    int32_t item, items; /**< its parts: tz_element_reader.item */
-    tz_affine map;       /**< of its parts to the view */
-    bool use;            /**< of a symbol, which keeps its frame */
-    tz_svg_node target;  /**< that it uses */
-    const char *name;    /**< class, or NULL */
-    int32_t order;       /**< drawing order */
+    int32_t item, items;  /**< its parts: tz_element_reader.item */
+    tz_affine map;        /**< of its parts to the view */
+    bool use;             /**< of a symbol, which keeps its frame */
+    tz_svg_node target;   /**< that it uses */
+    tz_svg_node node, up; /**< where words about it stand: its own go before up's */
+    const char *name;     /**< class, or NULL */
+    int32_t order;        /**< drawing order */
     int32_t line;
 } tz_thing;
 
@@ -148,6 +151,11 @@ double tz_part_pen(const tz_part *p);
 /** Joins i and j in a forest of n parents; finds a root. */
 int32_t tz_forest_root(int32_t *up, int32_t i);
 void tz_forest_join(int32_t *up, int32_t i, int32_t j);
+
+/* element_words.c */
+/** Names and words of a thing, blanks between, those of `up` first; each may be NULL.
+ * @param[out] out  owned by the caller */
+tz_status tz_element_words(tz_ctx *ctx, tz_svg_node up, tz_svg_node node, char **out);
 
 /* element_symbol.c */
 /** Elements and symbols of things first .. n - 1. */

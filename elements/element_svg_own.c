@@ -101,6 +101,7 @@ static void symbol_free(tz_ctx *ctx, tz_element_symbol *y)
 {
     tz_free(ctx, y->id);
     tz_free(ctx, y->markup);
+    tz_free(ctx, y->words);
     tz_array_free(ctx, &y->outline);
     tz_array_free(ctx, &y->part);
 }
@@ -109,6 +110,8 @@ static void symbol_free(tz_ctx *ctx, tz_element_symbol *y)
 static tz_status keep_symbol(own *o, tz_svg_node n, tz_element_symbol *y, tz_status s)
 {
     tz_element_reader *r = o->r;
+    if (s == TZ_OK)
+        s = tz_element_words(r->ctx, NULL, n, &y->words);
     if (s == TZ_OK)
         s = tz_array_push(r->ctx, &o->symbol, n);
     if (s == TZ_OK)

@@ -114,6 +114,7 @@ static tz_status drop_symbols(tz_element_reader *r)
             if (to[i] < 0) {
                 tz_free(r->ctx, set->symbol.v[i].id);
                 tz_free(r->ctx, set->symbol.v[i].markup);
+                tz_free(r->ctx, set->symbol.v[i].words);
                 tz_array_free(r->ctx, &set->symbol.v[i].outline);
                 tz_array_free(r->ctx, &set->symbol.v[i].part);
             }

@@ -242,7 +242,8 @@ tz_status tz_part_add(tz_element_reader *r, tz_svg_node n, const tz_style *style
                     .order = r->steps,
                     .name = tz_svg_attr(n, "tz:class"),
                     .id = tz_svg_attr(n, "id"),
-                    .label = tz_svg_attr(n, "inkscape:label")};
+                    .label = tz_svg_attr(n, "inkscape:label"),
+                    .node = n};
     tz_status s = TZ_OK;
     if (tz_svg_is(n, "path"))
         s = draw_path(&p, n);

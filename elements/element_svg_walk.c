@@ -21,6 +21,7 @@ typedef struct state {
     tz_affine map;
     tz_style style;
     bool owned;        /* within a thing: shapes are its parts */
+    tz_svg_node up;    /* the innermost group */
     const char *group; /* tz:class of the innermost group or <use> that has one */
     int depth;
     const frame *uses;
@@ -228,6 +229,8 @@ static tz_status walk_target(tz_element_reader *r, tz_svg_node n, tz_svg_node ta
                                    .use = true,
                                    .target = target,
                                    .name = class_of(n, class_of(target, id)),
+                                   .node = n,
+                                   .up = target,
                                    .order = order,
                                    .line = tz_svg_line(n)});
 }
@@ -272,6 +275,7 @@ static tz_status walk_marked(tz_element_reader *r, tz_svg_node n, state *s)
 {
     tz_thing t = {.map = tz_affine_identity(),
                   .name = class_of(n, NULL),
+                  .node = n,
                   .order = r->steps,
                   .line = tz_svg_line(n)};
     const int32_t first = r->part.n;
@@ -365,7 +369,7 @@ static tz_status walk_shape(tz_element_reader *r, tz_svg_node n, const state *s)
         return TZ_OK;
     tz_status st = tz_part_add(r, n, &s->style, s->map, s->owned);
     if (r->part.n > before)
-        r->part.v[before].group = s->group;
+        r->part.v[before].group = s->group, r->part.v[before].up = s->up;
     if (st != TZ_OK || r->part.n == before || s->owned)
         return st;
     bool behind;
@@ -432,6 +436,8 @@ static tz_status walk(tz_element_reader *r, tz_svg_node n, const state *up, bool
     if (shape)
         return walk_shape(r, n, &s);
     s.group = class_of(n, s.group);
+    if (group && tz_svg_is(n, "g"))
+        s.up = n;
     if (use)
         return walk_use(r, n, &s);
     return nested ? walk_nested(r, n, &s) : walk_group(r, n, &s);

@@ -146,12 +146,15 @@ static tz_status make_symbol(work *w, const tz_thing *t, tz_affine rest, bool pl
         s = tz_element_markup(r, r->item.v + t->item, t->items, map, y.radius, &y.markup);
     if (s == TZ_OK)
         s = set_outline(w, t, map, &y);
+    if (s == TZ_OK)
+        s = tz_element_words(r->ctx, t->up, t->node, &y.words);
     p->symbol = r->set.symbol.n;
     if (s == TZ_OK)
         s = tz_array_push(r->ctx, &r->set.symbol, y);
     if (s != TZ_OK) {
         tz_free(r->ctx, y.id);
         tz_free(r->ctx, y.markup);
+        tz_free(r->ctx, y.words);
         tz_array_free(r->ctx, &y.outline);
         tz_array_free(r->ctx, &y.part);
     }

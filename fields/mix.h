@@ -14,7 +14,12 @@
  *   turn=DEG      against the directions of the field, positive clockwise
  *   jitter=DEG    each thing turns by up to this more, either way
  *
- * A palette may bring its mix along: tz:mix of its <svg>. */
+ *
+ * A palette may bring its mix along: tz:mix of its <svg>. And each of its things may say
+ * such words of itself, share= among them: in data- attributes of its shape, group or
+ * symbol (data-share="3" data-size="0.5..2"), in its label in Inkscape
+ * ("leaf share=3 size=0.5..2") or in its own tz:mix. They hold where the mix says nothing
+ * else. Things are also called by their ids and the plain words of their labels. */
 #ifndef TZ_FIELDS_MIX_H
 #define TZ_FIELDS_MIX_H
 

@@ -4,9 +4,11 @@
 #include "tests/base/check.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "base/svg.h"
+#include "elements/element_io.h"
 #include "fields/mix.h"
 #include "tests/support/elements.h"
 
@@ -138,6 +140,70 @@ static void palettes_bring_mixes(void **state)
     end_ctx(ctx);
 }
 
+static const char *const inkscape =
+    "<svg xmlns='http://www.w3.org/2000/svg' xmlns:tz='" TZ_NS "' "
+    "xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' width='60mm' "
+    "height='20mm' viewBox='-5 -5 60 20'><g inkscape:label='Layer 1' data-jitter='9' "
+    "transform='translate(2,1)'><path id='path12' inkscape:label='leaf share=3 "
+    "size=0.5..1 draft=yes' d='M0 5C5 0 14 0 20 5C14 10 5 10 0 5Z'/><ellipse id='ball' "
+    "cx='30' cy='5' rx='2.5' ry='2.5' data-share='2' data-rigidity='50'/><path "
+    "tz:mix='share=0 turn=90' id='twig' d='M40 0L48 1L40 2Z'/></g></svg>";
+
+/* Things of a plain drawing say themselves what they are like. */
+static void things_say_their_own(void **state)
+{
+    (void)state;
+    tz_ctx *ctx = new_ctx(1);
+    tz_element_set set;
+    tz_mix m = {0};
+    ok(ctx, tz_element_parse_svg(ctx, "p", inkscape, strlen(inkscape), NULL, &set));
+    assert_int_equal(set.element.n, 3);
+    ok(ctx, tz_mix_parse(ctx, "*", &set, 70, &m));
+    assert_int_equal(m.n, 2); /* the twig has no share */
+    assert_true(tz_mix_is(&set, m.v[0].element, "leaf"));
+    assert_true(tz_mix_is(&set, m.v[0].element, "path12"));
+    assert_false(tz_mix_is(&set, m.v[0].element, "lea"));
+    assert_true(tz_mix_is(&set, m.v[1].element, "ball"));
+    assert_true(fabs(m.v[0].share / m.v[1].share - 1.5) < 1e-12);
+    assert_true(m.v[0].size[0] == 0.5 && m.v[0].size[1] == 1 && m.v[0].rigidity == 70);
+    assert_true(m.v[1].rigidity == 50 && m.v[1].size[0] == 1);
+    assert_true(fabs(m.v[1].jitter - 9 * TZ_PI / 180) < 1e-12); /* its layer's */
+    tz_array_free(ctx, &m);
+    /* the mix goes before */
+    ok(ctx, tz_mix_parse(ctx, "leaf:1 size=2 jitter=0, ball:4", &set, 70, &m));
+    assert_true(m.v[0].size[0] == 2 && m.v[0].size[1] == 2 && m.v[0].jitter == 0);
+    assert_true(fabs(m.v[1].share / m.v[0].share - 4) < 1e-12);
+    assert_true(m.v[1].rigidity == 50);
+    tz_array_free(ctx, &m);
+    fails(ctx, tz_mix_parse(ctx, "twig", &set, 70, &m), TZ_INVALID, "share");
+    tz_element_set_deinit(&set);
+    static const char *const bad[] = {"share=-1", "size=0", "rigidity=101", "turn=x"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char text[2048];
+        const char *at = strstr(inkscape, "share=3");
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - inkscape), inkscape, bad[i],
+                 at + strlen("share=3"));
+        ok(ctx, tz_element_parse_svg(ctx, "p", text, strlen(text), NULL, &set));
+        fails(ctx, tz_mix_parse(ctx, "*", &set, 70, &m), TZ_INVALID, bad[i]);
+        assert_null(m.v);
+        tz_element_set_deinit(&set);
+    }
+    end_ctx(ctx);
+}
+
+static tz_status read_once(tz_ctx *c)
+{
+    tz_element_set set;
+    tz_mix m = {0};
+    tz_status s = tz_element_parse_svg(c, "p", inkscape, strlen(inkscape), NULL, &set);
+    if (s != TZ_OK)
+        return s;
+    s = tz_mix_parse(c, "*", &set, 1, &m);
+    tz_array_free(c, &m);
+    tz_element_set_deinit(&set);
+    return s;
+}
+
 static tz_status parse_once(tz_ctx *c)
 {
     tz_element_set set;
@@ -155,14 +221,14 @@ static void survives_want_of_memory(void **state)
 {
     (void)state;
     survive(parse_once, 1);
+    survive(read_once, 1);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mixes_are_read),
-        cmocka_unit_test(bad_mixes_are_named),
-        cmocka_unit_test(palettes_bring_mixes),
+        cmocka_unit_test(mixes_are_read),          cmocka_unit_test(bad_mixes_are_named),
+        cmocka_unit_test(palettes_bring_mixes),    cmocka_unit_test(things_say_their_own),
         cmocka_unit_test(survives_want_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
