@@ -4,9 +4,10 @@
  *
  *   sum over contacts (lack - n (x_a - x_b) - m_a t_a + m_b t_b)^2
  *     + sum over borders (lack - n x_a - m_a t_a)^2
- *     + EASE sum (|x_a|^2 + t_a^2) + STIFF sum (T_a + t_a)^2,
+ *     + EASE sum (|x_a|^2 + t_a^2) + STIFF sum (T_a + t_a)^2 + even sum |x_a - g_a|^2,
  *
- * n the way out of a contact, m its arm over the reach, T the turn so far: bodies slide
+ * n the way out of a contact, m its arm over the reach, T the turn so far, g the way to the centre of
+ * its cells: bodies slide
  * freely along each other, long ones out of jams along themselves, but turn only where
  * much presses, and back when it no longer does; for directions are the solver's and the
  * artist's. All are moved together, by conjugate gradients, so that what is pressed
@@ -20,6 +21,8 @@
 
 enum {
     AGAIN = 6, /* rounds that neighbours are good for */
+    WHOLE =
+        3, /* rounds that the nearest points of two outlines are followed along them */
     INNER = 16 /* rounds of conjugate gradients */
 };
 #define EASE   0.1  /* weight of staying */
@@ -56,10 +59,23 @@ static tz_status pair_up(tz_fill_outlines *o)
             } else {
                 o->touch[k] = o->contacts;
                 o->contact[o->contacts++] =
-                    (tz_fill_contact){.a = a, .b = b, .best = {-1, -1}};
+                    (tz_fill_contact){.a = a, .b = b, .age = -1, .best = {-1, -1}};
             }
         }
     return s;
+}
+
+/* From a body to the centre of all its discs' cells: Eq. (1), for the body. */
+static tz_vec2 pull_of(const tz_fill_body *b, const tz_power_cells *c)
+{
+    tz_vec2 sum = {0, 0};
+    double area = 0;
+    for (int32_t k = b->first; k < b->first + b->n; k++)
+        if (c->area[k] > 0) {
+            sum.x += c->area[k] * c->centre[k].x, sum.y += c->area[k] * c->centre[k].y;
+            area += c->area[k];
+        }
+    return area > 0 ? tz_vec2_scale(sum, 1 / area) : sum;
 }
 
 tz_status tz_fill_contacts_find(tz_fill_outlines *o)
@@ -80,6 +96,7 @@ tz_status tz_fill_contacts_find(tz_fill_outlines *o)
         if (is_held(f, i))
             continue;
         o->moved[i] = true;
+        o->lack[i].pull = pull_of(b, &c);
         for (int32_t k = b->first; k < b->first + b->n && s == TZ_OK; k++)
             for (int32_t e = 0; e < c.count[k] && s == TZ_OK; e++) {
                 const int32_t q = f->owner[c.neighbour[c.start[k] + e]];
@@ -127,10 +144,11 @@ static void find_contacts(void *arg, int32_t from, int32_t to, double sums[4])
         if (!c->near)
             continue;
         const double gap = o->part * (o->pose[c->a].gap + o->pose[c->b].gap);
+        c->age = (int8_t)((c->age + 1) % WHOLE);
         for (int e = 0; e < 2; e++) {
             const int32_t a = e ? c->b : c->a, b = e ? c->a : c->b;
-            c->lack[e] = gap + tz_fill_outline_depth(o, a, b, -gap, &c->best[e],
-                                                     &c->at[e], &c->way[e]);
+            c->lack[e] = gap + tz_fill_outline_depth(o, a, b, -gap, c->age == 0,
+                                                     &c->best[e], &c->at[e], &c->way[e]);
             if (!(c->lack[e] > 0))
                 continue;
             if (e)
@@ -159,10 +177,13 @@ static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
         const double own = o->part * o->pose[a].gap;
         double least = HUGE_VAL;
         tz_vec2 at;
-        const double turned = l->turned;
-        *l = (tz_fill_lack){.turned = turned,
-                            .row = {EASE, 0, EASE, 0, 0, EASE + STIFF},
-                            .b = {0, 0, -STIFF * turned * o->pose[a].reach}};
+        const double turned = l->turned, even = o->even;
+        const tz_vec2 pull = l->pull;
+        *l = (tz_fill_lack){
+            .turned = turned,
+            .pull = pull,
+            .row = {EASE + even, 0, EASE + even, 0, 0, EASE + STIFF},
+            .b = {even * pull.x, even * pull.y, -STIFF * turned * o->pose[a].reach}};
         for (int32_t k = o->start[a]; k < o->start[a + 1] && !f->body.v[a].gone; k++) {
             const bool other = o->touch[k] < 0;
             const tz_fill_contact *c = &o->contact[other ? ~o->touch[k] : o->touch[k]];
@@ -337,6 +358,7 @@ static void move_bodies(void *arg, int32_t from, int32_t to, double sums[4])
         tz_fill_outline_move(o, i, (tz_vec2){by * x.x, by * x.y});
         tz_fill_outline_turn(o, i, turn);
         o->lack[i].turned += turn;
+        o->lack[i].pull.x -= by * x.x, o->lack[i].pull.y -= by * x.y;
     }
 }
 
@@ -358,7 +380,8 @@ tz_status tz_fill_contacts_relax(tz_fill_outlines *o, int32_t rounds, double par
             o->moved[f->live.v[j]] = false;
         if (s == TZ_OK)
             s = tz_fill_blocks(f->ctx, f->live.n, find_rows, o, sums);
-        if (s != TZ_OK || !(sums[0] > 0) || (part < NARROW && !(sums[1] > 0)))
+        if (s != TZ_OK || (!(sums[0] > 0) && !(o->even > 0)) ||
+            (part < NARROW && !(sums[1] > 0)))
             break;
         s = solve(o);
         if (s == TZ_OK)

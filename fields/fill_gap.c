@@ -23,6 +23,7 @@ enum {
 /* Bodies about a place. */
 typedef struct about {
     int32_t n, body[NEAR];
+    int8_t best[NEAR][2]; /* nearest points, once they are known */
 } about;
 
 static void add_about(const tz_fill *f, about *a, int32_t body)
@@ -70,7 +71,7 @@ static double angle_about(const tz_fill *f, const tz_fill_gap *g)
 }
 
 /* What one body lacks to those about it, as they lie. */
-static double sum_about(const tz_fill_outlines *o, int32_t i, const about *a,
+static double sum_about(const tz_fill_outlines *o, int32_t i, about *a, bool whole,
                         double row[3], tz_vec2 *b)
 {
     double energy = 0;
@@ -86,9 +87,10 @@ static double sum_about(const tz_fill_outlines *o, int32_t i, const about *a,
             } else if (a->body[j] != i && tz_fill_outlines_near(o, i, a->body[j])) {
                 const int32_t q = a->body[j];
                 const double gap = o->part * (o->pose[i].gap + o->pose[q].gap);
-                int8_t best = -1;
-                lack = gap + (e ? tz_fill_outline_depth(o, q, i, -gap, &best, &at, &way)
-                                : tz_fill_outline_depth(o, i, q, -gap, &best, &at, &way));
+                int8_t *best = &a->best[j][e];
+                *best = whole ? -1 : *best;
+                lack = gap + tz_fill_outline_depth(o, e ? q : i, e ? i : q, -gap, whole,
+                                                   best, &at, &way);
                 if (e)
                     way = tz_vec2_scale(way, -1);
             }
@@ -102,18 +104,19 @@ static double sum_about(const tz_fill_outlines *o, int32_t i, const about *a,
     return energy;
 }
 
-/* The best place about where a body is, for it alone; how hard it is pressed there. */
-static double settle_one(tz_fill_outlines *o, int32_t i, const about *a)
+/* The best place about where a body is, for it alone; how hard it is pressed there. Given
+ * up where that stays far above what is enough. */
+static double settle_one(tz_fill_outlines *o, int32_t i, about *a, double enough)
 {
-    const double ease = 0.2;
+    const double ease = 0.2, hopeless = 4;
     const tz_fill *f = o->f;
     const tz_fill_body *q = &f->body.v[i];
     const double most = 0.5 * f->radius[q->first] * tz_fill_scale(f, q->first);
     double row[3], energy = 0;
     tz_vec2 b;
     for (int32_t k = 0; k <= STEPS; k++) {
-        energy = sum_about(o, i, a, row, &b);
-        if (k == STEPS || !(energy > 0))
+        energy = sum_about(o, i, a, k == 0, row, &b);
+        if (k == STEPS || !(energy > 0) || (k > 1 && energy > hopeless * enough))
             break;
         const double x = row[0] + ease, y = row[2] + ease,
                      d = 1 / (x * y - row[1] * row[1]);
@@ -246,7 +249,7 @@ tz_status tz_fill_gap_move(tz_fill_outlines *o, double share, int32_t *moved)
         keep(f, p->body, &was);
         find_about(o, &gap[next], late, *moved, &a);
         put_at(o, p->body, &gap[next]);
-        if (settle_one(o, p->body, &a) < BETTER * p->energy) {
+        if (settle_one(o, p->body, &a, BETTER * p->energy) < BETTER * p->energy) {
             o->lack[p->body].turned = 0;
             late[(*moved)++] = p->body;
         } else {
@@ -265,7 +268,7 @@ tz_status tz_fill_gap_move(tz_fill_outlines *o, double share, int32_t *moved)
 
 /* One of an entry at a gap, if it is pressed no harder there than that. */
 static tz_status try_one(tz_fill_outlines *o, int32_t entry, double size,
-                         const tz_fill_gap *g, const about *a, double most, bool *came)
+                         const tz_fill_gap *g, about *a, double most, bool *came)
 {
     tz_fill *f = o->f;
     const tz_fill_model *m = &f->model.v[entry];
@@ -284,7 +287,7 @@ static tz_status try_one(tz_fill_outlines *o, int32_t entry, double size,
     o->shrunk[i] = 1;
     o->pose[i].gap = gap;
     put_at(o, i, g);
-    *came = settle_one(o, i, a) <= most;
+    *came = settle_one(o, i, a, most) <= most;
     if (*came)
         f->inserted++;
     else

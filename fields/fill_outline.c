@@ -7,6 +7,7 @@
 #include "fields/fill_outline_internal.h"
 
 #define SLACK 0.004 /* of the largest disc: no contact yet */
+#define FAR   0.2   /* of it: outlines so far apart do not lie upon each other */
 
 static bool is_soft(const tz_fill *f, int32_t i)
 {
@@ -177,7 +178,12 @@ static inline double look_at(const look *l, int32_t k, double *most)
 {
     const double u = l->at[k].x - l->from.x, w = l->at[k].y - l->from.y;
     const double x = l->x + l->mx * u - l->my * w, y = l->y + l->my * u + l->mx * w;
-    const double cx = fmin(fmax(x, 0), l->wide), cy = fmin(fmax(y, 0), l->high);
+    const double cx = x < 0         ? 0
+                      : x > l->wide ? l->wide
+                                    : x,
+                 cy = y < 0         ? 0
+                      : y > l->high ? l->high
+                                    : y;
     const int32_t i = (int32_t)cx, j = (int32_t)cy;
     const double s = cx - i, t = cy - j;
     const float *p = l->v + (ptrdiff_t)j * l->width + i, *q = p + l->width;
@@ -201,8 +207,23 @@ static inline int32_t pass(const double *way, int32_t k, int32_t n, double room)
     return k;
 }
 
+/* From a point along the outline, either way, as long as it gets deeper. */
+static int32_t climb(const look *l, int32_t k, int32_t n, double *deep)
+{
+    double upper;
+    for (int way = -1; way <= 1; way += 2)
+        for (int32_t step = 0; step < n; step++) {
+            const int32_t q = k + way < 0 ? n - 1 : k + way == n ? 0 : k + way;
+            const double d = look_at(l, q, &upper);
+            if (d <= *deep)
+                break;
+            *deep = d, k = q;
+        }
+    return k;
+}
+
 static double deepest_in_rigid(const tz_fill_outlines *o, int32_t a, int32_t b,
-                               double least, int8_t *best)
+                               double least, bool whole, int8_t *best)
 {
     const int32_t model = o->f->body.v[a].model, n = o->f->model.v[model].borders;
     const double *way = o->way[model];
@@ -210,20 +231,21 @@ static double deepest_in_rigid(const tz_fill_outlines *o, int32_t a, int32_t b,
     /* a bent outline may be longer */
     const double per = 1 / ((o->pose[a].soft ? 2 : 1) * o->pose[a].scale);
     double upper, deep = least;
-    int8_t k0 = -1;
+    int32_t k0 = -1;
     if (*best >= 0) {
-        const double d = look_at(&l, *best, &upper);
+        double d = look_at(&l, *best, &upper);
+        const int32_t q = climb(&l, *best, n, &d);
         if (d > deep)
-            deep = d, k0 = *best;
+            deep = d, k0 = q;
     }
-    for (int32_t k = 0; k < n; k++) {
+    for (int32_t k = 0; k < n && (whole || k0 < 0); k++) {
         const double d = look_at(&l, k, &upper);
         if (d > deep)
-            deep = d, k0 = (int8_t)k;
+            deep = d, k0 = k;
         else if (upper < deep)
             k = pass(way, k, n, (deep - upper) * per);
     }
-    *best = k0;
+    *best = (int8_t)k0;
     return deep;
 }
 
@@ -253,12 +275,13 @@ static double deepest_disc(const tz_fill_outlines *o, int32_t a, int32_t b, doub
 }
 
 double tz_fill_outline_depth(const tz_fill_outlines *o, int32_t a, int32_t b,
-                             double least, int8_t *best, tz_vec2 *at, tz_vec2 *way)
+                             double least, bool whole, int8_t *best, tz_vec2 *at,
+                             tz_vec2 *way)
 {
     const int32_t model = o->f->body.v[a].model, n = o->f->model.v[model].borders;
     double deep = least;
     if (!o->pose[b].soft) {
-        deep = deepest_in_rigid(o, a, b, least, best);
+        deep = deepest_in_rigid(o, a, b, least, whole, best);
     } else {
         int8_t k0 = -1;
         for (int32_t k = 0; k < n; k++) {
@@ -272,7 +295,9 @@ double tz_fill_outline_depth(const tz_fill_outlines *o, int32_t a, int32_t b,
         *at = border_point(o, a, *best);
         depth_in(o, b, *at, fmin(deep, 0) - 1e-3 * o->pose[b].reach, way);
     }
-    return deepest_disc(o, a, b, deep, at, way);
+    const int32_t first = o->f->body.v[a].first;
+    const double far = FAR * o->f->radius[first] * tz_fill_scale(o->f, first);
+    return deep > -far ? deepest_disc(o, a, b, deep, at, way) : deep;
 }
 
 bool tz_fill_outlines_near(const tz_fill_outlines *o, int32_t a, int32_t b)

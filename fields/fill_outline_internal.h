@@ -9,7 +9,8 @@
  *
  * A body keeps half of a gap about itself (tz_fill_pose.gap, times tz_fill_outlines.part);
  * what two bodies lack to both halves, or one to the border of the domain to its own, is a
- * lack. Rounds lower the sum of squares of all lacks. With gaps as wide as the free area
+ * lack. Rounds lower the sum of squares of all lacks (and, if wanted, of the ways to the
+ * centres of all bodies' cells, which close holes that things stand about like arches). With gaps as wide as the free area
  * allows nearly all neighbours lack something, and gaps become even; with narrow ones only
  * what is too near moves. */
 #ifndef TZ_FIELDS_FILL_OUTLINE_INTERNAL_H
@@ -29,6 +30,7 @@ typedef struct tz_fill_pose {
 /** Nearest points of two bodies: of a's outline to b, and of b's to a. */
 typedef struct tz_fill_contact {
     int32_t a, b;
+    int8_t age;       /**< rounds since all of the outlines were looked at */
     bool both, near;  /**< b moves too; they are near enough to be looked at */
     int8_t best[2];   /**< point of the outline; -1 = none within the gap */
     double lack[2];   /**< > 0: of the gap */
@@ -43,6 +45,7 @@ typedef struct tz_fill_lack {
     double energy; /**< sum of squares of its lacks: how hard it is pressed */
     double border; /**< > 0: lack to the border */
     tz_vec2 way;   /**< into the domain */
+    tz_vec2 pull;  /**< to the centre of its cells, as the diagram was found */
     double turned; /**< radians so far */
     double arm;    /**< of the border's lack */
     double row[6]; /**< of the system, for x, y and turn times reach: xx xy yy xt yt tt */
@@ -51,6 +54,7 @@ typedef struct tz_fill_lack {
 
 typedef struct tz_fill_outlines {
     tz_fill *f;
+    double even;           /**< weight of pulls; 0 = none */
     double part;           /**< of gaps that are asked for now */
     tz_fill_pose_of *pose; /**< a body each */
     tz_fill_lack *lack;
@@ -81,11 +85,13 @@ void tz_fill_outline_turn(tz_fill_outlines *o, int32_t body, double by);
 bool tz_fill_outlines_near(const tz_fill_outlines *o, int32_t a, int32_t b);
 /** Depth in b of the point of a's outline that is deepest there, or nearest.
  * @param least     shallower ones do not count
+ * @param whole     all points are looked at, not only those about `best`
  * @param[in,out] best  the point; tried first, if >= 0; -1 = none is over `least`
  * @param[out] at, way  where it is, and the way out of b; if there is one
  * @return its depth; `least` if there is none */
 double tz_fill_outline_depth(const tz_fill_outlines *o, int32_t a, int32_t b,
-                             double least, int8_t *best, tz_vec2 *at, tz_vec2 *way);
+                             double least, bool whole, int8_t *best, tz_vec2 *at,
+                             tz_vec2 *way);
 /** What a body's outline lacks to the domain's border with a gap; <= 0: nothing. */
 double tz_fill_outline_border(const tz_fill_outlines *o, int32_t body, double gap,
                               tz_vec2 *at, tz_vec2 *way);

@@ -7,7 +7,8 @@
  *   1. gaps as wide as the free area allows are asked for, and become even;
  *   2. what is pressed hardest goes to the largest empty places, where it is pressed less;
  *   3. where fewer things lie than were asked for (and the count is free), some come;
- *   4. gaps that are asked for become narrow, until nothing overlaps;
+ *   4. pulls to the centres of cells close holes, and gaps that are asked for become
+ *      narrow, until nothing overlaps;
  *   5. what still does shrinks, to no less than LEAST of its size;
  *   6. what still does goes to an empty place or leaves.
  *
@@ -18,22 +19,27 @@
 #include "fields/fill_outline_internal.h"
 
 enum {
-    FIRST = 8, /* rounds of even gaps */
-    MOVES = 5, /* times that the hardest pressed move */
+    FIRST = 5, /* rounds of even gaps */
+    MOVES = 2, /* times that the hardest pressed move */
     AFTER = 5, /* rounds after each */
+    EVEN = 8,  /* rounds of even gaps with pulls */
     LAST = 12, /* rounds of narrow gaps, each time */
     SHRINKS = 16,
     LOOSE = 6 /* rounds between iterations */
 };
-#define SHARE  0.05 /* of all, that moves at once */
-#define WIDEST 0.4  /* of the mean disc: half a gap, at most */
-#define THIN   0.02 /* at least */
-#define NARROW 0.3  /* part of the gaps, at the end */
-#define TIGHT  0.05 /* part at which shrinking begins */
-#define LEAST  0.8
-#define FAST   0.97 /* shrinks so much at once */
-#define DEEP   10.0 /* times the slack: nobody may overlap so far in the end */
-#define MORE   1.02 /* times the fill that may come */
+#define SHARE   0.05 /* of all, that moves at once */
+#define WIDEST  0.4  /* of the mean disc: half a gap, at most */
+#define THIN    0.02 /* at least */
+#define NARROW  0.3  /* part of the gaps, at the end */
+#define TIGHT   0.05 /* part at which shrinking begins */
+#define LEAST   0.8
+#define FAST    0.97 /* shrinks so much at once */
+#define WIDE    2.0  /* part of the gaps with pulls: across holes */
+#define PULL    1.0  /* weight of pulls then */
+#define HOLD    0.2  /* and as gaps become narrow */
+#define SHALLOW 6.0  /* times the slack: what may stay */
+#define DEEP    10.0 /* times the slack: nobody may overlap so far in the end */
+#define MORE    1.02 /* times the fill that may come */
 
 /* ---- gaps --------------------------------------------------------------------------- */
 
@@ -110,7 +116,7 @@ static tz_status shrink_rest(tz_fill_outlines *o)
         left = 0;
         for (int32_t j = 0; j < f->live.n && s == TZ_OK; j++) {
             const int32_t i = f->live.v[j];
-            if (f->body.v[i].gone || o->lack[i].depth <= 2 * tz_fill_slack(f, i) ||
+            if (f->body.v[i].gone || o->lack[i].depth <= SHALLOW * tz_fill_slack(f, i) ||
                 o->shrunk[i] <= LEAST)
                 continue;
             left++;
@@ -180,9 +186,16 @@ static tz_status come(tz_fill_outlines *o)
 static tz_status narrow(tz_fill_outlines *o)
 {
     int32_t dropped = 0;
-    tz_status s = tz_fill_contacts_relax(o, LAST / 2, 0.5 + 0.5 * NARROW, NULL);
+    o->even = PULL;
+    tz_status s = tz_fill_contacts_relax(o, EVEN, WIDE, NULL);
+    o->even = HOLD;
     if (s == TZ_OK)
-        s = tz_fill_contacts_relax(o, LAST, NARROW, NULL);
+        s = tz_fill_contacts_relax(o, LAST / 2, 0.5 + 0.5 * NARROW, NULL);
+    if (s == TZ_OK)
+        s = tz_fill_contacts_relax(o, LAST / 2, NARROW, NULL);
+    o->even = 0;
+    if (s == TZ_OK)
+        s = tz_fill_contacts_relax(o, LAST / 2, NARROW, NULL);
     if (s == TZ_OK)
         s = move_pressed(o, 1, NARROW);
     if (s == TZ_OK)
