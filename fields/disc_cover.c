@@ -65,7 +65,8 @@ typedef struct work {
     int32_t near[CELLS]; /* nearest piece known, -1 = none */
     bool mask[MASK * MASK], odd[MASK * MASK];
     bool in[CELLS];       /* inside */
-    double miss[CELLS];   /* 1 = not covered yet */
+    bool miss[CELLS];     /* not covered yet */
+    int32_t sum[CELLS];   /* of miss in a row, up to and with a point */
     int16_t owner[CELLS]; /* disc of least power */
 } work;
 
@@ -223,24 +224,34 @@ static tz_status measure(tz_ctx *ctx, work *w, tz_vec2 lo, tz_vec2 hi)
 
 /* ---- discs -------------------------------------------------------------------------- */
 
-/* Sum of `miss` under the disc at a point of the grid, its rim included. */
-static double gain_of(const work *w, int32_t at, double radius, int only)
+/* Sums along rows of what is missed, of all or of one disc's part. */
+static void sum_rows(work *w, int only)
+{
+    const tz_shape_distance *d = w->d;
+    int32_t sum = 0;
+    for (int32_t i = 0; i < d->width * d->height; i++) {
+        sum = i % d->width ? sum : 0;
+        w->sum[i] = sum += w->miss[i] && (only < 0 || w->owner[i] == only);
+    }
+}
+
+/* How much is missed under the disc at a point of the grid, its rim included. */
+static int32_t gain_of(const work *w, int32_t at, double radius)
 {
     const tz_shape_distance *d = w->d;
     const double r = radius * (1 + LARGER) / d->cell;
     const int32_t x = at % d->width, y = at / d->width, k = (int32_t)r;
-    double sum = 0;
+    int32_t sum = 0;
     for (int32_t j = y - k < 0 ? 0 : y - k; j <= y + k && j < d->height; j++) {
         const int32_t h = (int32_t)sqrt(r * r - (double)(j - y) * (j - y));
-        const int32_t to = x + h < d->width ? x + h : d->width - 1;
-        for (int32_t i = x - h < 0 ? 0 : x - h; i <= to; i++)
-            if (only < 0 || w->owner[j * d->width + i] == only)
-                sum += w->miss[j * d->width + i];
+        const int32_t to = x + h < d->width ? x + h : d->width - 1, from = x - h;
+        const int32_t *row = w->sum + (ptrdiff_t)j * d->width;
+        sum += row[to] - (from > 0 ? row[from - 1] : 0);
     }
     return sum;
 }
 
-static void take(work *w, int32_t at, double radius, double miss)
+static void take(work *w, int32_t at, double radius)
 {
     const tz_shape_distance *d = w->d;
     const double r = radius * (1 + LARGER);
@@ -248,24 +259,25 @@ static void take(work *w, int32_t at, double radius, double miss)
     for (int32_t i = 0; i < d->width * d->height; i++) {
         const tz_vec2 p = place(d, i);
         if (w->in[i] && hypot(p.x - c.x, p.y - c.y) <= r)
-            w->miss[i] = miss;
+            w->miss[i] = false;
     }
 }
 
 /* The disc of greatest gain; of gains within 2 % the largest disc. */
-static int32_t best_disc(const work *w, int only, double *gain)
+static int32_t best_disc(work *w, int only, double *gain)
 {
     const tz_shape_distance *d = w->d;
     int32_t best = -1;
     double radius = 0;
     *gain = 0;
+    sum_rows(w, only);
     for (int32_t i = 0; i < d->width * d->height; i++) {
         const double r = (double)d->v[i];
         const double most =
             TZ_PI * r * r * (1 + LARGER) * (1 + LARGER) / (d->cell * d->cell);
         if (!w->in[i] || 1.2 * most + 4 < *gain || (only >= 0 && w->owner[i] != only))
             continue;
-        const double g = gain_of(w, i, r, only);
+        const double g = gain_of(w, i, r);
         if (g > 1.02 * *gain || (g > 0.98 * *gain && r > radius))
             best = i, *gain = fmax(g, *gain), radius = r;
     }
@@ -291,7 +303,7 @@ static void greedy(work *w, tz_disc_cover *c, int32_t most, double share)
             break;
         left -= gain;
         add_disc(c, place(d, i), (double)d->v[i]);
-        take(w, i, (double)d->v[i], 0);
+        take(w, i, (double)d->v[i]);
     }
 }
 
