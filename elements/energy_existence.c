@@ -242,6 +242,7 @@ static tz_status add_wishes(census *c, int32_t o)
     const tz_pairing_side *side = &x->side[m];
     const double frame = tz_energy_frame(t, t->at[o]);
     const double scale = tz_domain_apart(&t->set->domain, t->at[o]);
+    const double rest = 1 - tz_domain_scale(&t->set->domain, t->at[o]) / scale;
     const double co = scale * cos(frame), si = scale * sin(frame);
     tz_status s = TZ_OK;
     for (int32_t j = 0; j < side->n && s == TZ_OK; j++) {
@@ -252,8 +253,13 @@ static tz_status add_wishes(census *c, int32_t o)
         if (source == x->owner[m] || id != e->sample || is_used(t, o, id))
             continue;
         const tz_vec3 p = x->set->sample.v[id].at;
-        const double dx = (double)side->x[j] + e->at.x - p.x;
-        const double dy = (double)side->y[j] + e->at.y - p.y;
+        double dx = (double)side->x[j] + e->at.x - p.x;
+        double dy = (double)side->y[j] + e->at.y - p.y;
+        if (rest != 0) { /* from the own centre, which is nearer than scaled */
+            const tz_vec3 q = x->set->sample.v[m].at;
+            const tz_element *own = &x->set->element.v[x->owner[m]];
+            dx += rest * (q.x - own->at.x), dy += rest * (q.y - own->at.y);
+        }
         const tz_vec3 at = tz_domain_wrap(
             &t->set->domain, (tz_vec3){t->at[o].x + co * dx - si * dy,
                                        t->at[o].y + si * dx + co * dy, e->at.z});

@@ -73,6 +73,29 @@ double tz_energy_inside(const tz_energy_state *t, tz_vec3 at)
 
 /* ---- neighbours ------------------------------------------------------------------ */
 
+/* Where frames thin out, elements move apart but their own samples do not: of the way from
+ * sample a to b only what lies between centres is longer. The rest of it: */
+static tz_vec2 way_within(const tz_element *of_a, tz_vec3 a, const tz_element *of_b,
+                          tz_vec3 b)
+{
+    return (tz_vec2){b.x - of_b->at.x - (a.x - of_a->at.x),
+                     b.y - of_b->at.y - (a.y - of_a->at.y)};
+}
+
+static tz_vec2 within_output(const quest *k, int32_t id)
+{
+    const tz_energy_state *t = k->t;
+    const tz_element *e = t->set->element.v;
+    return way_within(&e[t->owner[k->o]], t->at[k->o], &e[t->owner[id]], t->at[id]);
+}
+
+static tz_vec2 within_exemplar(const tz_energy_exemplar *x, int32_t a, int32_t b)
+{
+    const tz_element *e = x->set->element.v;
+    const tz_sample *p = x->set->sample.v;
+    return way_within(&e[x->owner[a]], p[a].at, &e[x->owner[b]], p[b].at);
+}
+
 static void add_neighbour(quest *k, const tz_nearby *v, bool own)
 {
     tz_energy_state *t = k->t;
@@ -81,9 +104,13 @@ static void add_neighbour(quest *k, const tz_nearby *v, bool own)
     s->x[j] = v->x, s->y[j] = v->y;
     s->a[j] = (float)t->attribute[id].x, s->b[j] = (float)t->attribute[id].y;
     if (!k->plain) { /* o^-1 of Eq. (7) */
-        const double scale = own ? k->size : k->scale;
-        const double cosine = k->cosine / scale, sine = k->sine / scale;
-        const double x = (double)v->x, y = (double)v->y;
+        const double cosine = k->cosine / k->scale, sine = k->sine / k->scale;
+        double x = (double)v->x, y = (double)v->y;
+        if (k->scale != k->size) {
+            const tz_vec2 u = within_output(k, id);
+            const double more = k->scale / k->size - 1;
+            x += more * u.x, y += more * u.y;
+        }
         s->x[j] = (float)(cosine * x + sine * y);
         s->y[j] = (float)(cosine * y - sine * x);
         if (t->x->attributes) {
@@ -254,14 +281,20 @@ static void keep_pairs(const quest *k)
         if (m < 0)
             continue;
         const tz_pairing_side *s = &x->side[k->best], *mine = &k->w->side;
-        const bool own = t->owner[t->near[at]] == t->owner[k->o];
-        const double scale = own ? k->size : k->scale;
-        const double cosine = scale * k->cosine, sine = scale * k->sine;
-        const double dx = (double)(s->x[m] - mine->x[j]);
-        const double dy = (double)(s->y[m] - mine->y[j]);
-        t->pair[at] = x->member[(ptrdiff_t)k->best * MOST + m];
-        t->pull[at] = (tz_energy_pull){(float)(cosine * dx - sine * dy),
-                                       (float)(sine * dx + cosine * dy)};
+        const double cosine = k->scale * k->cosine, sine = k->scale * k->sine;
+        const int32_t partner = x->member[(ptrdiff_t)k->best * MOST + m];
+        double dx = (double)(s->x[m] - mine->x[j]);
+        double dy = (double)(s->y[m] - mine->y[j]);
+        tz_vec2 more = {0, 0};
+        if (k->scale != k->size) {
+            const tz_vec2 e = within_exemplar(x, k->best, partner);
+            const double by = 1 - k->size / k->scale;
+            dx -= by * e.x, dy -= by * e.y;
+            more = tz_vec2_scale(within_output(k, t->near[at]), k->scale / k->size - 1);
+        }
+        t->pair[at] = partner;
+        t->pull[at] = (tz_energy_pull){(float)(cosine * dx - sine * dy + more.x),
+                                       (float)(sine * dx + cosine * dy + more.y)};
     }
 }
 

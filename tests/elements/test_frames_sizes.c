@@ -269,6 +269,51 @@ static void sizes_change_from_place_to_place(void **state)
     }
 }
 
+/* Bars of two samples each, which may grow: thinning out moves them apart, but makes them
+ * no longer. */
+static void long_things_keep_together(void **state)
+{
+    (void)state;
+    for (int shape = TZ_SHAPE_RIGID; shape <= TZ_SHAPE_SIMILARITY; shape++) {
+        tz_ctx *ctx = new_ctx(2);
+        const upright v = {
+            .x = 40, .size = 1.2, .density = 0.4, .weight = 1, .level = true};
+        tz_frames *f = frames_of(ctx, true, &v, 1);
+        const tz_domain d = {.size = square, .torus = true, .frames = f};
+        tz_element_set ex, out;
+        tz_energy_params e;
+        ok(ctx, drawn_squares(ctx, 12, 1, false, &ex));
+        ex.sample.n = 0;
+        for (int32_t i = 0; i < ex.element.n; i++) {
+            tz_element *q = &ex.element.v[i];
+            q->sample = ex.sample.n, q->samples = 2;
+            for (int32_t k = 0; k < 2; k++) {
+                const tz_sample p = {at(q->at.x + 6 * k - 3, q->at.y), k, 1};
+                ok(ctx, tz_array_push(ctx, &ex.sample, p));
+            }
+        }
+        tz_params_default(&tz_energy_param_table, &e);
+        e.shape = shape;
+        ok(ctx, tz_element_set_like(ctx, &ex, &d, &out));
+        ok(ctx, tz_energy_solve(ctx, &ex, &e, &out, NULL, NULL));
+        double mean = 0, worst = 0;
+        for (int32_t i = 0; i < out.element.n; i++) {
+            const tz_sample *q = &out.sample.v[out.element.v[i].sample];
+            const double l = hypot(q[1].at.x - q[0].at.x, q[1].at.y - q[0].at.y) / 7.2;
+            mean += l / out.element.n;
+            worst = fmax(worst, fabs(l - 1));
+        }
+        growing_near(out.element.n, 900 * 0.4 / 1.44, 0.15);
+        growing_near(mean, 1, 0.05);
+        if (shape == TZ_SHAPE_RIGID)
+            assert_true(worst < 0.01);
+        tz_element_set_deinit(&ex);
+        tz_element_set_deinit(&out);
+        tz_frames_free(f);
+        end_ctx(ctx);
+    }
+}
+
 static uint64_t digest(int threads, how k)
 {
     tz_ctx *ctx = new_ctx(threads);
@@ -328,6 +373,7 @@ int main(void)
         cmocka_unit_test(formulas_take_sizes),
         cmocka_unit_test(everywhere_the_same),
         cmocka_unit_test(sizes_change_from_place_to_place),
+        cmocka_unit_test(long_things_keep_together),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(survives_want_of_memory),
     };
