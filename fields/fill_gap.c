@@ -76,6 +76,8 @@ static double sum_about(const tz_fill_outlines *o, int32_t i, about *a, bool who
 {
     double energy = 0;
     row[0] = row[1] = row[2] = 0, *b = (tz_vec2){0, 0};
+    if (whole) /* all: one that is too far away now may come near later */
+        memset(a->best, -1, sizeof a->best);
     for (int32_t j = 0; j <= a->n; j++) {
         for (int e = 0; e < 2; e++) {
             tz_vec2 at, way = {0, 0};
@@ -88,7 +90,6 @@ static double sum_about(const tz_fill_outlines *o, int32_t i, about *a, bool who
                 const int32_t q = a->body[j];
                 const double gap = o->part * (o->pose[i].gap + o->pose[q].gap);
                 int8_t *best = &a->best[j][e];
-                *best = whole ? -1 : *best;
                 lack = gap + tz_fill_outline_depth(o, e ? q : i, e ? i : q, -gap, whole,
                                                    best, &at, &way);
                 if (e)
