@@ -66,9 +66,13 @@ enum {
     MOST_NEIGHBOURS = 64, /* of a sample, likewise */
     GIVEN_LEVELS = 1      /* the finest ones, which a quilt is optimised on */
 };
-#define MOST_PIECES 2e7
-#define MARGIN      0.02 /* by which an optimised layout must be more alike */
-#define POOR        1.3  /* unlikeness from which on AUTO also optimises from patches */
+#define MOST_PIECES    2e7
+/* bytes a piece, of exemplar and layout: less than it takes in the end, so that nothing is
+ * refused that would fit */
+#define PIECE_BYTES    300
+#define FINISHED_BYTES 700  /* of pieces cut where they cross */
+#define MARGIN         0.02 /* by which an optimised layout must be more alike */
+#define POOR           1.3 /* unlikeness from which on AUTO also optimises from patches */
 
 typedef struct candidate {
     tz_curve_set set;
@@ -81,6 +85,7 @@ typedef struct work {
     const tz_curve_arrange_job *job;
     const char *name;
     tz_curve_arrange_params params;
+    tz_curve_finish_measure *measure; /* NULL where nothing is finished */
     candidate quilted, optimised;
     tz_curve_arrange_report report;
 } work;
@@ -137,6 +142,30 @@ static tz_status check(const work *w)
             "%.2g; arrange a smaller part",
             w->name, d->size.x, d->size.y, pieces, MOST_PIECES);
     return TZ_OK;
+}
+
+/** Refuses what will not fit into memory before the work begins; knows more once the
+ * exemplar is measured. */
+static tz_status check_memory(const work *w)
+{
+    const tz_curve_set *e = w->job->exemplar;
+    const tz_domain *d = w->job->domain;
+    const bool finished = w->measure;
+    const double most = (double)tz_ctx_memory(w->ctx),
+                 own = finished ? tz_curve_finish_measure_pieces(w->measure) : e->piece.n,
+                 pieces =
+                     own * (tz_domain_area(d) / (e->domain.size.x * e->domain.size.y)),
+                 bytes = (own + pieces) * (finished ? FINISHED_BYTES : PIECE_BYTES);
+    if (!(most > 0) || bytes <= most)
+        return TZ_OK;
+    return tz_fail(
+        w->ctx, TZ_LIMIT,
+        "%s: over %g x %g there would be about %.2g pieces of curves%s, which take "
+        "more than %.1f GiB of memory; %.1f GiB are allowed; arrange a smaller "
+        "part%s, or allow more memory",
+        w->name, d->size.x, d->size.y, pieces, finished ? " between crossings" : "",
+        bytes / (1 << 30), most / (1 << 30),
+        finished ? ", leave gaps open (--no-curve-finish)" : "");
 }
 
 /** Whether the optimiser's work stays within reason: few enough samples, and not so many
@@ -283,12 +312,22 @@ static tz_status optimise(work *w, const tz_curve_set *start)
 /* ---- finishing, judging ---------------------------------------------------------------
  */
 
+/** What tells how to finish; once for all that is finished. */
+static tz_status measure(work *w)
+{
+    const double start = seconds();
+    const tz_status s =
+        tz_curve_finish_measure_new(w->ctx, w->job->exemplar, &w->measure);
+    w->report.finish += seconds() - start;
+    return s;
+}
+
 static tz_status finish(work *w, candidate *c)
 {
     const double start = seconds();
     const tz_status s =
-        w->params.finish && c->set.path.n > 0
-            ? tz_curve_finish(w->ctx, w->job->exemplar, w->job->given, &c->set, NULL)
+        w->measure && c->set.path.n > 0
+            ? tz_curve_finish_like(w->ctx, w->measure, w->job->given, &c->set, NULL)
             : TZ_OK;
     w->report.finish += seconds() - start;
     return s;
@@ -432,6 +471,13 @@ tz_status tz_curve_arrange(tz_ctx *ctx, const tz_curve_arrange_job *job,
     tz_status s = check(&w);
     settle(&w.params);
     if (s == TZ_OK)
+        s = check_memory(&w);
+    if (s == TZ_OK && w.params.finish) {
+        s = measure(&w);
+        if (s == TZ_OK)
+            s = check_memory(&w);
+    }
+    if (s == TZ_OK)
         s = w.params.method == TZ_CURVES_OPTIMISE ? run_optimise(&w) : run_auto(&w);
     if (s == TZ_OK) {
         w.report.mean = w.quilted.mean;
@@ -440,6 +486,7 @@ tz_status tz_curve_arrange(tz_ctx *ctx, const tz_curve_arrange_job *job,
         if (report)
             *report = w.report;
     }
+    tz_curve_finish_measure_free(w.measure);
     tz_curve_set_deinit(&w.quilted.set);
     tz_curve_set_deinit(&w.optimised.set);
     return s;

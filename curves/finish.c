@@ -200,6 +200,7 @@ tz_status tz_finish_measure(tz_ctx *ctx, const tz_curve_set *exemplar,
         for (int32_t i = 0; i < n.set.node.n; i++)
             l.degrees =
                 tz_net_degree(&n, i) > l.degrees ? tz_net_degree(&n, i) : l.degrees;
+        l.pieces = n.set.piece.n;
         l.straight = mostly_straight(&n);
         s = measure_bend(&n, &l);
     }
@@ -457,19 +458,53 @@ static tz_status settle(finishing *f)
     return s;
 }
 
-tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
-                          const tz_curve_set *given, tz_curve_set *set,
-                          tz_curve_finish_report *report)
+struct tz_curve_finish_measure {
+    tz_ctx *ctx;
+    tz_finish_limits limit;
+};
+
+tz_status tz_curve_finish_measure_new(tz_ctx *ctx, const tz_curve_set *exemplar,
+                                      tz_curve_finish_measure **out)
 {
-    finishing f = {.ctx = ctx, .pens = set->pen.n};
+    tz_curve_finish_measure *m = NULL;
+    *out = NULL;
+    tz_status s = tz_alloc_zero(ctx, &m, 1, sizeof *m);
+    if (s != TZ_OK)
+        return s;
+    m->ctx = ctx;
+    if (exemplar->path.n > 0)
+        s = tz_finish_measure(ctx, exemplar, &m->limit);
+    if (s == TZ_OK)
+        *out = m;
+    else
+        tz_curve_finish_measure_free(m);
+    return s;
+}
+
+void tz_curve_finish_measure_free(tz_curve_finish_measure *m)
+{
+    if (!m)
+        return;
+    tz_finish_limits_deinit(m->ctx, &m->limit);
+    tz_free(m->ctx, m);
+}
+
+int32_t tz_curve_finish_measure_pieces(const tz_curve_finish_measure *m)
+{
+    return m->limit.pieces;
+}
+
+tz_status tz_curve_finish_like(tz_ctx *ctx, const tz_curve_finish_measure *m,
+                               const tz_curve_set *given, tz_curve_set *set,
+                               tz_curve_finish_report *report)
+{
+    finishing f = {.ctx = ctx, .pens = set->pen.n, .limit = m->limit};
     tz_curve_set all = {.ctx = ctx};
     if (report)
         memset(report, 0, sizeof *report);
-    if (set->path.n == 0 || exemplar->path.n == 0)
+    if (set->path.n == 0 || m->limit.pieces == 0)
         return TZ_OK;
-    tz_status s = tz_finish_measure(ctx, exemplar, &f.limit);
-    if (s == TZ_OK)
-        s = put_together(given, set, &all);
+    tz_status s = put_together(given, set, &all);
     const tz_curve_join_params join = join_within(set, f.limit.delta);
     if (s == TZ_OK)
         s = tz_curve_join(ctx, &all, &join, &f.now);
@@ -485,10 +520,25 @@ tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
         s = take_over(&f.now, f.limit.delta, set);
     if (s == TZ_OK && report)
         *report = f.report;
-    tz_finish_limits_deinit(ctx, &f.limit);
     tz_curve_set_deinit(&all);
     tz_curve_set_deinit(&f.now);
     if (f.is_net)
         tz_net_deinit(&f.net);
+    return s;
+}
+
+tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
+                          const tz_curve_set *given, tz_curve_set *set,
+                          tz_curve_finish_report *report)
+{
+    tz_curve_finish_measure *m = NULL;
+    if (report)
+        memset(report, 0, sizeof *report);
+    if (set->path.n == 0 || exemplar->path.n == 0)
+        return TZ_OK;
+    tz_status s = tz_curve_finish_measure_new(ctx, exemplar, &m);
+    if (s == TZ_OK)
+        s = tz_curve_finish_like(ctx, m, given, set, report);
+    tz_curve_finish_measure_free(m);
     return s;
 }

@@ -35,4 +35,20 @@ TZ_API tz_status tz_curve_finish(tz_ctx *ctx, const tz_curve_set *exemplar,
                                  const tz_curve_set *given, tz_curve_set *s,
                                  tz_curve_finish_report *report);
 
+/** What an exemplar tells of ends, branches, gaps and turns, where several sets are finished
+ * after it. */
+typedef struct tz_curve_finish_measure tz_curve_finish_measure;
+
+/** @param[out] out  free with tz_curve_finish_measure_free; NULL on error
+ * @return TZ_OK; TZ_NOMEM; TZ_CANCELLED; TZ_LIMIT */
+TZ_API tz_status tz_curve_finish_measure_new(tz_ctx *ctx, const tz_curve_set *exemplar,
+                                             tz_curve_finish_measure **out);
+TZ_API void tz_curve_finish_measure_free(tz_curve_finish_measure *m); /**< takes NULL */
+/** Pieces of the exemplar, cut where they cross: what finishing has to do with. */
+TZ_API int32_t tz_curve_finish_measure_pieces(const tz_curve_finish_measure *m);
+/** As tz_curve_finish. */
+TZ_API tz_status tz_curve_finish_like(tz_ctx *ctx, const tz_curve_finish_measure *m,
+                                      const tz_curve_set *given, tz_curve_set *s,
+                                      tz_curve_finish_report *report);
+
 #endif

@@ -93,7 +93,8 @@ typedef struct tz_finish_limits {
     double *gap;     /**< what would close the exemplar's own gaps, one an end, in order;
                           NULL: it has too few ends to tell */
     int32_t gaps;
-    double length; /**< of the exemplar, user units */
+    double length;  /**< of the exemplar, user units */
+    int32_t pieces; /**< of the exemplar, cut where they cross */
 } tz_finish_limits;
 void tz_finish_limits_deinit(tz_ctx *ctx, tz_finish_limits *l); /**< takes zeroed */
 

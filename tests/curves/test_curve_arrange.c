@@ -189,6 +189,33 @@ static void test_bad(void **state)
     tz_ctx_clear(ctx);
 }
 
+/* What will not fit into memory is refused before the work: in little of it; what
+ * fits is not. */
+static void test_too_much(void **state)
+{
+    (void)state;
+    tz_ctx *c = NULL;
+    const tz_ctx_options opt = {.threads = 1, .memory = 64 << 20};
+    tz_curve_set e = {0}, out = {0};
+    assert_int_equal(tz_ctx_new(&opt, &c), TZ_OK);
+    ok(c, draw_net(c, &e));
+    tz_curve_arrange_params p;
+    tz_params_default(&tz_curve_arrange_param_table, &p);
+    const tz_domain huge = {.size = {9000, 9000, 0}}, large = {.size = {900, 700, 0}};
+    tz_curve_arrange_job job = {
+        .exemplar = &e, .name = "net.svg", .domain = &huge, .params = &p};
+    fails(c, tz_curve_arrange(c, &job, &out, NULL), TZ_LIMIT,
+          "net.svg: over 9000 x 9000");
+    assert_null(out.path.v);
+    assert_true(tz_ctx_memory_peak(c) < 8 << 20);
+    job.domain = &large;
+    p.method = TZ_CURVES_QUILT;
+    ok(c, tz_curve_arrange(c, &job, &out, NULL));
+    tz_curve_set_deinit(&out);
+    tz_curve_set_deinit(&e);
+    end_ctx(c);
+}
+
 /* Memory runs out at many places, evenly spread over the run. */
 static void test_memory(void **state)
 {
@@ -225,6 +252,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_torus, begin, end),
         cmocka_unit_test(test_threads),
         cmocka_unit_test_setup_teardown(test_bad, begin, end),
+        cmocka_unit_test(test_too_much),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
