@@ -136,27 +136,36 @@ shape dense "600 600" "" \
 full stiff garden.svg $size --mix "ribbon, berry:3"
 full soft garden.svg $size --mix "ribbon rigidity=1, berry:3"
 full sizes garden.svg $size --mix "leaf, sprig, petal, bead"
-full dense garden.svg $size --mix "sprig size=0.6..1.6, bead size=0.4..1.5" --count 220
-# a whirl of vectors: red is x, green is y
-cat >whirl.svg <<'SVG'
-<svg xmlns="http://www.w3.org/2000/svg" width="256" height="256"><defs>
-<linearGradient id="x" x2="0" y2="1"><stop stop-color="#f00"/><stop offset="1" stop-color="#000"/>
-</linearGradient><linearGradient id="y"><stop stop-color="#000"/><stop offset="1"
-stop-color="#0f0"/></linearGradient></defs><rect width="256" height="256" fill="url(#x)"/><rect
-width="256" height="256" fill="url(#y)" style="mix-blend-mode:screen"/></svg>
-SVG
-rsvg-convert -w 1200 whirl.svg -o whirl.png
-tz fill current.svg -o whirled.svg $size --directions whirl.png --seed 3
-picture whirled 1200
-tz fill garden.svg -o mixed.svg $size --seed 3 --mix "leaf:3 size=0.6..1.6, bead:2 \
-size=0.5..2.5, petal size=0.6..1.4, berry:2"
-picture mixed 1200
-tz fill "$pavement" -o stones.svg --size 1200x1200 --directions whirl.png --seed 3
-tz render stones.svg -o stones.png
+full dense garden.svg $size --mix "sprig size=0.6..0.9, bead size=0.4..0.8"
+full mixed garden.svg $size --mix "leaf:3 size=0.6..1.6, bead:2 size=0.5..2.5, petal \
+size=0.6..1.4, berry:2" --field stiff-field.svg
 sheet fields-things 3 480x480 "strokes|ribbons that never bend|ribbons with rigidity=1|size=0.5 \
-below, 1.8 above|density=1,0.1|--mix with sizes|--directions: an image|leaves along it|setts of \
-a photo along it" stiff-drawn.png stiff.png soft.png sizes.png dense.png mixed.png whirl.png \
-    whirled.png stones.png
+below, 1.8 above|density=1,0.1, from below to above|--mix with sizes" stiff-drawn.png stiff.png \
+    soft.png sizes.png dense.png mixed.png
+
+# ---- vectors of an image as things -------------------------------------------------------
+# two whirls in a stream: red is x, green is y, half is 0
+awk 'BEGIN { n = 160; print "P3", n, n, 255 >"stream.ppm"
+    head = "<svg xmlns=\"http://www.w3.org/2000/svg\" shape-rendering=\"crispEdges\" viewBox="
+    printf "%s\"0 0 %d %d\">", head, n, n >"stream.svg"
+    for (j = 0; j < n; j++) for (i = 0; i < n; i++) {
+        x = (i + 0.5) / n; y = (j + 0.5) / n; u = 0.25; v = 0
+        for (k = -1; k <= 1; k += 2) {
+            dx = x - 0.5 - 0.2 * k; dy = y - 0.5 + 0.12 * k; w = k * exp(-30 * (dx * dx + dy * dy))
+            u -= 4.2 * w * dy; v += 4.2 * w * dx }
+        r = int(127.5 + 127 * u); g = int(127.5 + 127 * v)
+        print r, g, 128 >"stream.ppm"
+        printf "<path fill=\"#%02x%02x80\" d=\"M%d %dh1v1h-1Z\"/>", r, g, i, j >"stream.svg" }
+    print "</svg>" >"stream.svg" }'
+picture stream 1200
+tz fill garden.svg -o streaming.svg $size --mix sprig --directions stream.ppm \
+    --lengths 0.35,1.2 --ramp viridis --ramp-by length --seed 3
+tz fill garden.svg -o pointing.svg $size --mix "leaf size=0.7" --directions stream.ppm \
+    --ramp hue --seed 3
+picture streaming 1200
+picture pointing 1200
+sheet fields-vectors 3 560x560 "vectors as an image|--lengths, --ramp viridis|--ramp hue: which \
+way they point" stream.png streaming.png pointing.png
 
 # ---- how it comes about ------------------------------------------------------------------
 # the layout after so many iterations
