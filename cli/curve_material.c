@@ -1,44 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/curve_material.h"
 
-#include <string.h>
-
 #include "cli/figures.h"
+#include "cli/layout_pictures.h"
 
 enum { MAP_ID, MAP_DISTANCE, MAP_ALONG };
 
 /* ---- maps -------------------------------------------------------------------------- */
 
-static int32_t what_of(const char *name)
-{
-    static const char *const list[] = {"id", "distance", "along"};
-    for (int32_t i = 0; i < 3; i++)
-        if (strcmp(list[i], name) == 0)
-            return i;
-    return -1;
-}
-
 tz_status tz_curve_maps_parse(tz_cli *cli, const char *text, int32_t photos,
                               tz_element_maps *out)
 {
-    tz_status s = tz_maps_parse(cli->ctx, text, -1, &out->map);
-    for (int32_t i = 0; i < out->map.n && s == TZ_OK; i++) {
-        const tz_map *m = &out->map.v[i];
-        const int32_t what = what_of(m->name), want = what >= 0 ? 1 : photos;
-        if (m->path.n != want && photos == 0)
-            s = tz_fail(cli->ctx, TZ_INVALID,
-                        "--maps: a drawing has no photo that '%s' could be a map of; "
-                        "there are id, distance and along",
-                        m->name);
-        else if (m->path.n != want)
-            s = tz_fail(cli->ctx, TZ_INVALID,
-                        "--maps: %s is given %d times, wanted %d times; give a map once "
-                        "a photo",
-                        m->name, m->path.n, want);
-        else
-            s = tz_array_push(cli->ctx, &out->what, what);
-    }
-    return s;
+    static const char *const names[] = {
+        [MAP_ID] = "id", [MAP_DISTANCE] = "distance", [MAP_ALONG] = "along"};
+    return tz_layout_maps_parse(cli, text, photos, names, sizeof names / sizeof *names,
+                                out);
 }
 
 /* ---- rendering --------------------------------------------------------------------- */

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/element_material.h"
 
-#include <string.h>
-
 #include "cli/elements.h"
 #include "cli/figures.h"
+#include "cli/layout_pictures.h"
 #include "synthesis/element_ground.h"
 #include "synthesis/plate_map.h"
 
@@ -56,42 +55,15 @@ void tz_element_material_free(tz_cli *cli, tz_element_material *m)
 
 /* ---- maps -------------------------------------------------------------------------- */
 
-static int32_t what_of(const char *name)
-{
-    static const struct {
-        const char *name;
-        tz_element_map what;
-    } list[] = {{"id", TZ_ELEMENT_MAP_ID},
-                {"class", TZ_ELEMENT_MAP_CLASS},
-                {"angle", TZ_ELEMENT_MAP_ANGLE},
-                {"uv", TZ_ELEMENT_MAP_UV}};
-    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
-        if (strcmp(list[i].name, name) == 0)
-            return (int32_t)list[i].what;
-    return -1;
-}
-
 tz_status tz_element_maps_parse(tz_cli *cli, const char *text, int32_t photos,
                                 tz_element_maps *out)
 {
-    tz_status s = tz_maps_parse(cli->ctx, text, -1, &out->map);
-    for (int32_t i = 0; i < out->map.n && s == TZ_OK; i++) {
-        const tz_map *m = &out->map.v[i];
-        const int32_t what = what_of(m->name), want = what >= 0 ? 1 : photos;
-        if (m->path.n != want && photos == 0)
-            s = tz_fail(cli->ctx, TZ_INVALID,
-                        "--maps: a drawing has no photo that '%s' could be a map of; "
-                        "there are id, class, angle and uv",
-                        m->name);
-        else if (m->path.n != want)
-            s = tz_fail(cli->ctx, TZ_INVALID,
-                        "--maps: %s is given %d times, wanted %d times; give a map once "
-                        "a photo",
-                        m->name, m->path.n, want);
-        else
-            s = tz_array_push(cli->ctx, &out->what, what);
-    }
-    return s;
+    static const char *const names[] = {[TZ_ELEMENT_MAP_ID] = "id",
+                                        [TZ_ELEMENT_MAP_CLASS] = "class",
+                                        [TZ_ELEMENT_MAP_ANGLE] = "angle",
+                                        [TZ_ELEMENT_MAP_UV] = "uv"};
+    return tz_layout_maps_parse(cli, text, photos, names, sizeof names / sizeof *names,
+                                out);
 }
 
 void tz_element_maps_free(tz_ctx *ctx, tz_element_maps *m)

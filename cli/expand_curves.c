@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "cli/exemplars.h"
 #include "cli/figures.h"
+#include "cli/layout_pictures.h"
 #include "curves/curve_io.h"
 #include "synthesis/element_ground.h"
 
@@ -35,14 +36,8 @@ static tz_status name_pictures(tz_cli *cli, void *user, tz_name_values v,
 
 static tz_status list_inputs(run_state *r)
 {
-    tz_cli *cli = r->cli;
-    tz_status s = tz_guides_paths(cli, r->job->guides, &r->exemplar.inputs);
-    for (int32_t i = 0; i < r->maps.map.n && s == TZ_OK; i++)
-        for (int32_t k = 0; k < r->maps.map.v[i].path.n && s == TZ_OK; k++)
-            if (r->maps.what.v[i] < 0)
-                s = tz_paths_add(cli->ctx, &r->exemplar.inputs,
-                                 tz_cli_find(cli, r->maps.map.v[i].path.v[k]));
-    return s;
+    const tz_status s = tz_guides_paths(r->cli, r->job->guides, &r->exemplar.inputs);
+    return s == TZ_OK ? tz_layout_maps_paths(r->cli, &r->maps, &r->exemplar.inputs) : s;
 }
 
 /** Photo and plate: those found just now, or the files that the document names. */
@@ -119,6 +114,7 @@ static tz_status prepare(run_state *r, bool known)
     const tz_expand_curves_job *j = r->job;
     tz_path_list plates = {0};
     tz_rect crop;
+    int32_t size[2];
     tz_expand_wish w = {.own = j->own,
                         .output = j->output,
                         .format = j->format,
@@ -144,9 +140,7 @@ static tz_status prepare(run_state *r, bool known)
     if (s != TZ_OK)
         goto done;
     settle_domain(r);
-    const int32_t size[2] = {
-        (int32_t)fmin(1e9, fmax(1, rint(r->domain.size.x * j->look->scale))),
-        (int32_t)fmin(1e9, fmax(1, rint(r->domain.size.y * j->look->scale)))};
+    tz_layout_pixels(&r->domain, j->look->scale, size);
     w.width = size[0];
     w.height = size[1];
     s = tz_expand_plan_make(cli, &w, &r->plan);
@@ -189,30 +183,23 @@ static tz_status make_ground(run_state *r, uint64_t seed, tz_layout *ground)
     return s;
 }
 
+static tz_status write_set(tz_ctx *ctx, const char *path, const void *set)
+{
+    return tz_curve_write_svg(ctx, path, set);
+}
+
 /** Document of one seed. */
 static tz_status save_layout(run_state *r, int32_t i, tz_curve_set *layout,
                              const tz_layout *ground)
 {
-    tz_cli *cli = r->cli;
     if (r->plan.layouts.n == 0)
         return TZ_OK;
     const char *path = r->plan.layouts.v[i];
-    char *background = NULL;
-    tz_status s = tz_record_text(cli, &r->record, NULL, "layout", &layout->recipe);
-    if (s == TZ_OK && ground->place.n > 0) {
-        background = layout->element.background;
-        layout->element.background = NULL;
-        s = tz_element_ground_embed(cli->ctx, path, ground, &layout->element);
-    }
+    const tz_status s =
+        tz_layout_document(r->cli, path, &r->record, ground, &layout->element,
+                           &layout->recipe, layout, write_set);
     if (s == TZ_OK)
-        s = tz_curve_write_svg(cli->ctx, path, layout);
-    if (ground->place.n > 0) {
-        tz_free(cli->ctx, layout->element.background);
-        layout->element.background = background;
-    }
-    if (s == TZ_OK)
-        tz_figures_output(cli, path, "layout", (int32_t)fmin(2e9, rint(r->domain.size.x)),
-                          (int32_t)fmin(2e9, rint(r->domain.size.y)));
+        tz_layout_tell(r->cli, path, "layout", &r->domain);
     return s;
 }
 
@@ -258,9 +245,7 @@ static tz_status save_exemplar(run_state *r)
         return TZ_OK;
     tz_status s = tz_curve_write_svg(r->cli->ctx, path, &r->exemplar.set);
     if (s == TZ_OK)
-        tz_figures_output(r->cli, path, "exemplar",
-                          (int32_t)fmin(2e9, rint(r->exemplar.set.domain.size.x)),
-                          (int32_t)fmin(2e9, rint(r->exemplar.set.domain.size.y)));
+        tz_layout_tell(r->cli, path, "exemplar", &r->exemplar.set.domain);
     return s;
 }
 

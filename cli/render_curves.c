@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/render_curves.h"
 
-#include <math.h>
-
 #include "cli/figures.h"
+#include "cli/layout_pictures.h"
 #include "curves/curve_io.h"
 
 typedef struct run_state {
@@ -19,37 +18,18 @@ typedef struct run_state {
 /** Names and checks every output before the work begins. */
 static tz_status plan(run_state *r)
 {
-    tz_cli *cli = r->cli;
     const tz_render_curves_job *j = r->job;
-    char stem[TZ_PARAM_STRING_SIZE];
-    tz_path_list outputs = {0};
-    tz_rect crop;
-    const int32_t size[2] = {
-        (int32_t)fmin(1e9, fmax(1, rint(r->layout.domain.size.x * j->look->scale))),
-        (int32_t)fmin(1e9, fmax(1, rint(r->layout.domain.size.y * j->look->scale)))};
-    tz_path_stem(cli->operand[0], stem, sizeof stem);
-    const tz_name_values names = {stem, "png", "colour", 0, size[0], size[1]};
-    tz_status s = tz_curve_maps_parse(cli, j->maps, r->layout.element.photo.n, &r->maps);
-    if (s == TZ_OK)
-        s = tz_element_pictures_plan(cli, j->output, j->map_output, &r->maps, names,
-                                     &r->pictures);
-    for (int32_t i = 0; s == TZ_OK && i < r->pictures.n; i++)
-        s = tz_paths_add(cli->ctx, &outputs, r->pictures.v[i].path);
-    for (int32_t i = 0; s == TZ_OK && i < r->maps.map.n; i++)
-        for (int32_t k = 0;
-             s == TZ_OK && r->maps.what.v[i] < 0 && k < r->maps.map.v[i].path.n; k++)
-            s = tz_paths_add(cli->ctx, &r->material.inputs,
-                             tz_cli_find(cli, r->maps.map.v[i].path.v[k]));
-    if (s == TZ_OK && cli->piped && cli->common->json)
-        s = tz_cli_usage(cli, "--json and the image both want standard output");
-    if (s == TZ_OK)
-        s = tz_outputs_check(cli->ctx, &r->material.inputs, &outputs);
-    if (s == TZ_OK)
-        s = tz_pictures_check(cli, &r->pictures, j->format);
-    if (s == TZ_OK)
-        s = tz_crop_settle(cli->ctx, size, j->compose, &crop);
-    tz_paths_free(cli->ctx, &outputs);
-    return s;
+    const tz_layout_wish w = {.output = j->output,
+                              .map_output = j->map_output,
+                              .compose = j->compose,
+                              .format = j->format,
+                              .domain = &r->layout.domain,
+                              .scale = j->look->scale};
+    const tz_status s =
+        tz_curve_maps_parse(r->cli, j->maps, r->layout.element.photo.n, &r->maps);
+    return s == TZ_OK ? tz_layout_pictures_plan(r->cli, &w, &r->maps, &r->material.inputs,
+                                                &r->pictures)
+                      : s;
 }
 
 /** The document as it is: nothing is joined that was apart, and origins are kept. */
