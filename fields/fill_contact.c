@@ -15,7 +15,7 @@
  *
  * @source Gauss-Newton on penalties; the steps that single contacts would take one by one
  *   are those of Mueller et al., Position based dynamics, 2007 */
-#include <string.h>
+#include <assert.h>
 
 #include "fields/fill_outline_internal.h"
 
@@ -27,6 +27,7 @@ enum {
 };
 #define EASE   0.1  /* weight of staying */
 #define STIFF  10.0 /* of the turn so far, which goes back when nothing presses */
+#define SURE   20.0 /* times that, under strokes */
 #define NARROW 0.2  /* part of gaps from which only overlaps count */
 #define STEP   0.5  /* of the largest disc, at most in one round */
 
@@ -103,8 +104,10 @@ tz_status tz_fill_contacts_find(tz_fill_outlines *o)
                 bool new = q != i;
                 for (int32_t j = o->start[i]; j < list.n && new; j++)
                     new = list.v[j] != q;
-                if (new)
+                if (new) {
                     s = tz_array_push(f->ctx, &list, q);
+                    assert(s != TZ_OK || list.v);
+                }
                 if (!o->known[q])
                     tz_fill_outline_find(o, q);
             }
@@ -166,6 +169,12 @@ static void add_row(tz_fill_lack *l, tz_vec2 n, double arm, double lack)
     l->b.x += lack * n.x, l->b.y += lack * n.y, l->b.z += lack * arm;
 }
 
+/* What a stroke has turned turns hardly. */
+static double stiff_of(const tz_fill *f, int32_t i)
+{
+    return f->confident[f->body.v[i].first] > 0 ? SURE * STIFF : STIFF;
+}
+
 /* A body's rows: its contacts and the border. Sums: energy; bodies that overlap. */
 static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
 {
@@ -177,13 +186,13 @@ static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
         const double own = o->part * o->pose[a].gap;
         double least = HUGE_VAL;
         tz_vec2 at;
-        const double turned = l->turned, even = o->even;
+        const double turned = l->turned, even = o->even, stiff = stiff_of(f, a);
         const tz_vec2 pull = l->pull;
         *l = (tz_fill_lack){
             .turned = turned,
             .pull = pull,
-            .row = {EASE + even, 0, EASE + even, 0, 0, EASE + STIFF},
-            .b = {even * pull.x, even * pull.y, -STIFF * turned * o->pose[a].reach}};
+            .row = {EASE + even, 0, EASE + even, 0, 0, EASE + stiff},
+            .b = {even * pull.x, even * pull.y, -stiff * turned * o->pose[a].reach}};
         for (int32_t k = o->start[a]; k < o->start[a + 1] && !f->body.v[a].gone; k++) {
             const bool other = o->touch[k] < 0;
             const tz_fill_contact *c = &o->contact[other ? ~o->touch[k] : o->touch[k]];

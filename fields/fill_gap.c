@@ -56,9 +56,14 @@ static void find_about(const tz_fill_outlines *o, const tz_fill_gap *g,
     }
 }
 
-/* Mean direction of what lies about a place, the nearer the more. */
+/* What a stroke says there, or the mean direction of what lies about, the nearer the more.
+ */
 static double angle_about(const tz_fill *f, const tz_fill_gap *g)
 {
+    const tz_element_field_cell *said =
+        f->any_direction ? tz_element_field_at(f->field, g->at) : NULL;
+    if (said && (said->x != 0 || said->y != 0))
+        return atan2((double)said->y, (double)said->x);
     const tz_power_cells c = tz_power_get(f->power);
     tz_vec2 sum = {0, 0};
     for (int32_t k = -1; k < c.count[g->sample]; k++) {
