@@ -296,6 +296,22 @@ static tz_status name_output(run_state *r)
     return s;
 }
 
+/* A frame, whose number is part of its name, goes over no input and no other output. */
+static tz_status check_frame(run_state *r, const char *path)
+{
+    tz_ctx *ctx = r->cli->ctx;
+    tz_path_list outputs = {0};
+    tz_status s = tz_paths_add(ctx, &outputs, r->path);
+    if (s == TZ_OK)
+        s = tz_paths_add(ctx, &outputs, path);
+    if (s == TZ_OK && *r->v->trace.trace)
+        s = tz_paths_add(ctx, &outputs, r->v->trace.trace);
+    if (s == TZ_OK)
+        s = tz_outputs_check(ctx, &r->palette.inputs, &outputs);
+    tz_paths_free(ctx, &outputs);
+    return s;
+}
+
 static tz_status write_frame(run_state *r, const tz_fill *fill, int32_t number)
 {
     char stem[TZ_PARAM_STRING_SIZE], folder[TZ_PARAM_STRING_SIZE],
@@ -304,7 +320,9 @@ static tz_status write_frame(run_state *r, const tz_fill *fill, int32_t number)
     tz_path_stem(r->v->trace.frames, stem, sizeof stem);
     tz_path_folder(r->v->trace.frames, folder, sizeof folder);
     snprintf(path, sizeof path, "%s%s-%03" PRId32 ".svg", folder, stem, number);
-    tz_status s = tz_element_set_like(r->cli->ctx, &r->palette.set, &r->domain, &frame);
+    tz_status s = check_frame(r, path);
+    if (s == TZ_OK)
+        s = tz_element_set_like(r->cli->ctx, &r->palette.set, &r->domain, &frame);
     if (s == TZ_OK)
         s = tz_fill_write(fill, &frame);
     if (s == TZ_OK)
