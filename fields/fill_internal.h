@@ -313,6 +313,8 @@ tz_status tz_fill_neighbours(tz_fill *f, const tz_power_cells *cells);
 /* fill_terms.c */
 tz_status tz_fill_scale_step(tz_fill *f, double before_after[2]);
 tz_status tz_fill_turn_step(tz_fill *f, double before_after[2]);
+/** Directions anew, for the places where things lie. */
+tz_status tz_fill_turn_again(tz_fill *f);
 /** Half gradient and energy of the orientation terms; grad of m a node may be NULL. */
 tz_status tz_fill_turn_energy(tz_fill *f, double sums[4], bool gradient);
 

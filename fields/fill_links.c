@@ -13,6 +13,7 @@
 #include "fields/fill_internal.h"
 
 #define CONFIDENT 100.0
+#define MIDDLE    4.0  /* times as much under a thing's middle */
 #define PRIOR     1.0  /* confidence of directions between strokes */
 #define CORE      0.35 /* strokes about a place agree by less: a whirl lies there */
 
@@ -114,7 +115,7 @@ static void look_up_middle(tz_fill *f, const tz_fill_body *b)
         sure += confidence(f, f->c[s] * f->radius[s]);
         f->confident[s] = f->prior[s] = 0;
     }
-    f->confident[b->first] = fmax(sure, CONFIDENT) * (double)c->weight[0];
+    f->confident[b->first] = MIDDLE * fmax(sure, CONFIDENT) * (double)c->weight[0];
     f->target[2 * (ptrdiff_t)b->first] = (double)c->x;
     f->target[2 * (ptrdiff_t)b->first + 1] = (double)c->y;
 }

@@ -205,6 +205,21 @@ static tz_status narrow(tz_fill_outlines *o)
     return s == TZ_OK && dropped > 0 ? tz_fill_contacts_relax(o, LAST, NARROW, NULL) : s;
 }
 
+/* What has been moved or has come takes its direction from where it lies now, and all
+ * others theirs from it. */
+static tz_status turn_again(tz_fill_outlines *o)
+{
+    tz_fill *f = o->f;
+    f->fresh = false;
+    const tz_status s = tz_fill_turn_again(f);
+    for (int32_t k = 0; k < f->live.n; k++) {
+        tz_fill_outline_find(o, f->live.v[k]);
+        o->lack[f->live.v[k]].turned = 0;
+    }
+    f->fresh = false;
+    return s == TZ_OK ? tz_fill_contacts_relax(o, AFTER, 1, NULL) : s;
+}
+
 tz_status tz_fill_repair(tz_fill *f)
 {
     tz_fill_outlines o = {.f = f};
@@ -221,6 +236,8 @@ tz_status tz_fill_repair(tz_fill *f)
         s = move_pressed(&o, f->local ? 1 : MOVES, 1);
     if (s == TZ_OK)
         s = come(&o);
+    if (s == TZ_OK)
+        s = turn_again(&o);
     if (s == TZ_OK)
         s = narrow(&o);
     f->fresh = false;

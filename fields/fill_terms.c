@@ -360,3 +360,17 @@ tz_status tz_fill_turn_step(tz_fill *f, double before_after[2])
         s = tz_fill_blocks(f->ctx, f->live_sample.n, spread_turn, &t, NULL);
     return s;
 }
+
+tz_status tz_fill_turn_again(tz_fill *f)
+{
+    enum { STEPS = 6 };
+    double pair[2], graph;
+    tz_status s = tz_fill_diagram(f);
+    if (s != TZ_OK || f->live.n == 0)
+        return s;
+    const tz_power_cells cells = tz_power_get(f->power);
+    s = tz_fill_neighbours(f, &cells);
+    for (int k = 0; k < STEPS && s == TZ_OK; k++)
+        s = tz_fill_turn_step(f, pair);
+    return s == TZ_OK ? tz_fill_graph_step(f, pair, &graph) : s;
+}

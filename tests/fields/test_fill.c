@@ -150,7 +150,7 @@ static void place_and_turn_do_not_matter(void **state)
                                  .seed = 3,
                                  .count = -1};
         ok(ctx, tz_fill_begin(ctx, &job, &layout, &f));
-        ok(ctx, tz_fill_iterate(f, 4, NULL));
+        ok(ctx, tz_fill_iterate(f, 6, NULL));
         ok(ctx, tz_fill_write(f, &layout));
         n = layout.element.n;
         assert_int_equal(n, 90);
