@@ -236,6 +236,22 @@ static tz_status walk(tz_ctx *ctx, const part *p, int32_t n,
     return s;
 }
 
+/* No part of a mix may be left without things. */
+static tz_status names_nothing(tz_ctx *ctx, const part *p, int32_t k,
+                               const tz_element_set *palette)
+{
+    for (int32_t i = 0; i < k; i++)
+        if (p[i].name.n == p[k].name.n &&
+            memcmp(p[i].name.v, p[k].name.v, (size_t)p[k].name.n) == 0)
+            return tz_fail(ctx, TZ_INVALID, "mix: \"%.*s\" is named twice; say it once",
+                           p[k].name.n, p[k].name.v);
+    return tz_fail(ctx, TZ_INVALID,
+                   "mix: nothing in the palette that may be copied is called \"%.*s\"; "
+                   "its first class is \"%s\"",
+                   p[k].name.n, p[k].name.v,
+                   palette->kind.n > 0 ? palette->kind.v[0].name : "");
+}
+
 static tz_status divide(tz_ctx *ctx, const part *p, int32_t n,
                         const tz_element_set *palette, double rigidity, tz_mix *mix)
 {
@@ -245,11 +261,7 @@ static tz_status divide(tz_ctx *ctx, const part *p, int32_t n,
         return s;
     for (int32_t k = 0; k < n; k++)
         if (all[k].count == 0 && !is(p[k].name, "*"))
-            return tz_fail(ctx, TZ_INVALID,
-                           "mix: nothing in the palette that may be copied is called "
-                           "\"%.*s\"; its first class is \"%s\"",
-                           p[k].name.n, p[k].name.v,
-                           palette->kind.n > 0 ? palette->kind.v[0].name : "");
+            return names_nothing(ctx, p, k, palette);
     return walk(ctx, p, n, palette, rigidity, all, mix);
 }
 

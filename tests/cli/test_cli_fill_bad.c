@@ -71,6 +71,19 @@ static void outputs_over_inputs(void **state)
                 TZ_SOURCE_DIR);
 }
 
+static void what_is_said_twice(void **state)
+{
+    (void)state;
+    assert_exit(1,
+                "$T fill garden.svg -o o.svg --size 200x200 --mix 'leaf, bead, leaf' -q");
+    assert_one_line();
+    assert_said("\"leaf\" is named twice");
+    assert_exit(1, "$T fill garden.svg -o o.svg --size 200x200 --count 5000 -q");
+    assert_one_line();
+    assert_said("take fewer");
+    assert_nothing_written();
+}
+
 /* Wherever it is stopped, what stood there before stands there still. */
 static void interrupts_leave_what_was(void **state)
 {
@@ -169,11 +182,9 @@ static void photos_as_pixels(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(full_disks),
-        cmocka_unit_test(outputs_over_inputs),
-        cmocka_unit_test(interrupts_leave_what_was),
-        cmocka_unit_test(drawings_as_pixels),
-        cmocka_unit_test(photos_as_pixels),
+        cmocka_unit_test(full_disks),         cmocka_unit_test(outputs_over_inputs),
+        cmocka_unit_test(what_is_said_twice), cmocka_unit_test(interrupts_leave_what_was),
+        cmocka_unit_test(drawings_as_pixels), cmocka_unit_test(photos_as_pixels),
     };
     return cmocka_run_group_tests(tests, setup, leave_scratch);
 }
