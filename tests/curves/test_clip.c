@@ -1,28 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Curves cut at rectangles and regions. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
 #include "base/rng.h"
 #include "curves/clip.h"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(1);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 static double total_length(const tz_curve_set *s)
 {

@@ -2,29 +2,13 @@
 /** @file
  * Likeness of curves: zero for the same, about one for parts of one pattern, more the
  * more a pattern is damaged, and in the measures that the damage is about. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
 #include "base/rng.h"
 #include "curves/curve_compare.h"
 #include "curves/curve_io.h"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(1);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 /* ---- patterns ---------------------------------------------------------------------- */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Curves rebuilt with the exemplar's own lines, and all of it on a torus. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
@@ -9,22 +9,6 @@
 #include "curves/curve_io.h"
 #include "curves/curve_join.h"
 #include "curves/reconstruct.h"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 static void near(double a, double b, double tolerance)
 {

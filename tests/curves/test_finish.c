@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Finishing: what is good stays as it is, what is torn is mended. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
@@ -13,22 +13,6 @@
     "<svg xmlns=\"http://www.w3.org/2000/svg\" " \
     "viewBox=\"0 0 375 375\"><g fill=\"none\" stroke=\"#204060\" stroke-width=\"2\">"
 #define TAIL "</g></svg>"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 static void parse(const char *text, tz_curve_set *s)
 {

@@ -1,28 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Likeness of samples and neighbourhoods. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
 #include "base/rng.h"
 #include "curves/matching.h"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 static void near(double a, double b, double tolerance)
 {

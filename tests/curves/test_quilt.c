@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Quilts of curves: what holds for any of them. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
@@ -12,22 +12,6 @@
     "<svg xmlns=\"http://www.w3.org/2000/svg\" " \
     "viewBox=\"0 0 120 120\"><g fill=\"none\" stroke=\"#204060\" stroke-width=\"1\">"
 #define TAIL "</g></svg>"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 static tz_status parse(tz_ctx *c, const char *text, tz_curve_set *set)
 {

@@ -2,7 +2,7 @@
 /** @file
  * Curve textures by optimisation: what holds for any exemplar, and what must not break it.
  */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
@@ -13,22 +13,6 @@
     "<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100' "          \
     "viewBox='0 0 100 100'><g fill='none' stroke='black' stroke-width='1'>" body \
     "</g></svg>"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 /* ---- exemplars ---------------------------------------------------------------------- */
 

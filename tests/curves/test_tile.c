@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Tiles: found where they are, not where they are none; sewn without a trace. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
@@ -13,22 +13,6 @@
     "<svg xmlns=\"http://www.w3.org/2000/svg\" " \
     "viewBox=\"0 0 120 120\"><g fill=\"none\" stroke=\"#204060\" stroke-width=\"1\">"
 #define TAIL "</g></svg>"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 /* Slanted waves that leave at one side where they come in at the other, and a ring over a
  * corner. @param off  by which the right ends lie lower */

@@ -1,29 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Trimming: the picture's own edge goes, patterns stay as they are. */
-#include "tests/base/check.h"
+#include "tests/support/curve_fixture.h"
 
 #include <math.h>
 
 #include "base/rng.h"
 #include "curves/curve_io.h"
 #include "curves/trim.h"
-
-static tz_ctx *ctx;
-
-static int begin(void **state)
-{
-    (void)state;
-    ctx = new_ctx(2);
-    return 0;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    end_ctx(ctx);
-    return 0;
-}
 
 static tz_status add(tz_curve_set *s, tz_vec2 p, tz_vec2 q)
 {
