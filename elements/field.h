@@ -44,7 +44,7 @@ typedef enum tz_element_field_map {
     TZ_ELEMENT_FIELD_DIRECTION, /**< red, green = vector (green down; 0.5 = 0, in files of
                                    floating point numbers 0 = 0); grey = angle */
     TZ_ELEMENT_FIELD_SIZE,      /**< value / 0.5: mid grey is size 1; 0 = not said */
-    TZ_ELEMENT_FIELD_DENSITY /**< value 0 .. 1 */
+    TZ_ELEMENT_FIELD_DENSITY    /**< value 0 .. 1 */
 } tz_element_field_map;
 
 /** What can be said: direction, size, density. */
