@@ -91,8 +91,9 @@ TZ_API tz_status tz_fill_begin(tz_ctx *ctx, const tz_fill_job *job,
  * @return TZ_OK; TZ_NOMEM; TZ_CANCELLED; the fill stays whole
  * @cost O(samples) each */
 TZ_API tz_status tz_fill_iterate(tz_fill *f, int32_t iterations, tz_fill_energy *last);
-/** Keeps true outlines apart; what still overlaps shrinks by up to a fifth, is put into an
- * empty place, or goes. Then empty places that hold a thing of the palette get one.
+/** Keeps true outlines apart, with gaps as even as they can be; what is jammed moves to the
+ * largest empty places, what still overlaps shrinks by up to a fifth, or goes. If the count
+ * is free and less lies there than asked for, empty places get things of the palette.
  * @return as tz_fill_iterate */
 TZ_API tz_status tz_fill_repair(tz_fill *f);
 /** Writes all elements over those of the layout, in the order of their ids. Soft ones are
