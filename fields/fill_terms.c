@@ -66,8 +66,19 @@ static void add_scalar(void *arg, int32_t from, int32_t to, double sums[4])
     (void)sums;
     for (int32_t j = from; j < to; j++) {
         const int32_t i = f->live_node.v[j];
+        f->kept[i] = t->v[i];
         t->v[i] += f->step[i];
     }
+}
+
+/* A step that did not help. */
+static void undo_scalar(void *arg, int32_t from, int32_t to, double sums[4])
+{
+    const scalar_run *t = arg;
+    tz_fill *f = t->f;
+    (void)sums;
+    for (int32_t j = from; j < to; j++)
+        t->v[f->live_node.v[j]] = f->kept[f->live_node.v[j]];
 }
 
 static void spread_scalar(void *arg, int32_t from, int32_t to, double sums[4])
@@ -116,6 +127,10 @@ static tz_status scalar_step(tz_fill *f, double *v, const double *said,
     if (s == TZ_OK)
         s = tz_fill_blocks(f->ctx, f->live_node.n, weigh_scalar, &t, sums);
     before_after[1] = sums[0] + sums[1] + sums[2];
+    if (s == TZ_OK && !(before_after[1] <= before_after[0] * (1 + 1e-9))) {
+        s = tz_fill_blocks(f->ctx, f->live_node.n, undo_scalar, &t, NULL);
+        before_after[1] = before_after[0];
+    }
     if (s == TZ_OK)
         s = tz_fill_blocks(f->ctx, f->live_sample.n, spread_scalar, &t, NULL);
     return s;
