@@ -45,7 +45,8 @@ static void permute(const tz_fill *f, const order *o, int32_t bodies, void *arra
         memcpy(to, (char *)array + (size_t)b->first * size, (size_t)b->n * size);
         to += (size_t)b->n * size;
     }
-    memcpy(array, room, (size_t)(to - room));
+    if (bodies > 0)
+        memcpy(array, room, (size_t)(to - room));
 }
 
 tz_status tz_fill_pack(tz_fill *f, bool sort)
