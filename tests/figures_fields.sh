@@ -120,7 +120,7 @@ for name in sparse-leaves dense-mix crossing-leaves circular-bars singular-leave
         labels+="${labels:+|}$name, $way"
     done
 done
-sheet fields-cases 4 440x440 "$labels" "${pairs[@]}"
+sheet fields-cases 4 320x320 "$labels" "${pairs[@]}"
 
 # ---- what strokes and mixes say ----------------------------------------------------------
 wave="<path d='M30 420C160 60 300 60 330 300S480 560 570 180'/>"
