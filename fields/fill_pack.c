@@ -87,7 +87,8 @@ tz_status tz_fill_pack(tz_fill *f, bool sort)
             f->node[samples] = tied ? body[k].first : samples;
         }
     }
-    memcpy(f->body.v, body, (size_t)n * sizeof *body);
+    if (n > 0)
+        memcpy(f->body.v, body, (size_t)n * sizeof *body);
     f->body.n = n, f->n = samples;
     f->stale = true, f->fresh = false;
     f->left.n = 0;
