@@ -6,6 +6,7 @@
 #include "fields/fill_internal.h"
 
 #define MOST_SHARE 1e12
+#define MOST_SIZE  1e6
 
 /* ---- models ------------------------------------------------------------------------- */
 
@@ -315,11 +316,13 @@ static tz_status check_entry(tz_ctx *ctx, const tz_fill_entry *e,
                        "entry %d of the mix has rigidity %g; it must be 0 (bends) to 100 "
                        "(rigid)",
                        i, e->rigidity);
-    if (!(e->size[0] > 0) || !(e->size[1] >= e->size[0]) || !isfinite(e->size[1]))
-        return tz_fail(ctx, TZ_INVALID,
-                       "entry %d of the mix has sizes %g to %g; they must be above 0 and "
-                       "in order",
-                       i, e->size[0], e->size[1]);
+    if (!(e->size[0] >= 1 / MOST_SIZE) || !(e->size[1] >= e->size[0]) ||
+        !(e->size[1] <= MOST_SIZE))
+        return tz_fail(
+            ctx, TZ_INVALID,
+            "entry %d of the mix has sizes %g to %g; they must be %g to %g and "
+            "in order",
+            i, e->size[0], e->size[1], 1 / MOST_SIZE, MOST_SIZE);
     if (!isfinite(e->turn) || !(e->jitter >= 0) || !isfinite(e->jitter))
         return tz_fail(ctx, TZ_INVALID, "entry %d of the mix has turn %g and jitter %g",
                        i, e->turn, e->jitter);

@@ -178,10 +178,10 @@ static inline double look_at(const look *l, int32_t k, double *most)
 {
     const double u = l->at[k].x - l->from.x, w = l->at[k].y - l->from.y;
     const double x = l->x + l->mx * u - l->my * w, y = l->y + l->my * u + l->mx * w;
-    const double cx = x < 0         ? 0
+    const double cx = !(x > 0)      ? 0
                       : x > l->wide ? l->wide
                                     : x,
-                 cy = y < 0         ? 0
+                 cy = !(y > 0)      ? 0
                       : y > l->high ? l->high
                                     : y;
     const int32_t i = (int32_t)cx, j = (int32_t)cy;
