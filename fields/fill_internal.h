@@ -37,6 +37,7 @@ enum {
     TZ_FILL_BLOCK = 256,    /**< nodes or bodies that one task does; sums run block by
                                  block, so that threads do not matter */
     TZ_FILL_SERIAL = 2048,  /**< below that many the caller does all itself */
+    TZ_FILL_HEAVY = 128,    /**< contacts, the same; serial below eight such blocks */
     TZ_FILL_MOST = 2000000, /**< bodies */
     TZ_FILL_PEERS = 6,      /**< things that a thing is compared with */
     TZ_FILL_FEW = 4,        /**< outline points that are looked at together */
@@ -109,6 +110,9 @@ tz_status tz_fill_solve(const tz_fill_system *s, double *b, double small, int32_
 typedef void (*tz_fill_work)(void *arg, int32_t from, int32_t to, double sums[4]);
 tz_status tz_fill_blocks(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
                          double sums[4]);
+/** The same for work that costs half a microsecond an item: waking threads costs 100. */
+tz_status tz_fill_heavy(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
+                        double sums[4]);
 
 typedef struct tz_fill_link {
     int32_t to;    /**< node */

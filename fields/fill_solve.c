@@ -12,7 +12,7 @@
 typedef struct blocks {
     tz_fill_work work;
     void *arg;
-    int32_t n;
+    int32_t n, size;
     double (*sum)[4];
 } blocks;
 
@@ -20,30 +20,29 @@ static tz_status run_block(tz_ctx *ctx, void *arg, int64_t b, int worker)
 {
     (void)ctx, (void)worker;
     const blocks *t = arg;
-    const int32_t from = (int32_t)b * TZ_FILL_BLOCK, to = from + TZ_FILL_BLOCK;
+    const int32_t from = (int32_t)b * t->size, to = from + t->size;
     t->work(t->arg, from, to < t->n ? to : t->n, t->sum[b]);
     return TZ_OK;
 }
 
-tz_status tz_fill_blocks(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
-                         double sums[4])
+static tz_status run_blocks(tz_ctx *ctx, blocks t, bool serial, double sums[4])
 {
-    double few[TZ_FILL_SERIAL / TZ_FILL_BLOCK + 1][4] = {{0}}, none[4];
-    const int32_t count = (n + TZ_FILL_BLOCK - 1) / TZ_FILL_BLOCK;
-    blocks t = {work, arg, n, few};
+    enum { FEW = 64 };
+    double few[FEW][4], none[4];
+    const int32_t count = (t.n + t.size - 1) / t.size;
     double(*many)[4] = NULL;
     tz_status s = TZ_OK;
     if (!sums)
         sums = none;
-    if (n > TZ_FILL_SERIAL) {
+    if (count > FEW)
         s = tz_alloc_zero(ctx, &many, (size_t)count, sizeof *many);
-        t.sum = many;
-        if (s == TZ_OK)
-            s = tz_parallel_for(ctx, count, run_block, &t);
-    } else {
-        for (int32_t b = 0; b < count; b++)
-            run_block(ctx, &t, b, 0);
-    }
+    else
+        memset(few, 0, (size_t)count * sizeof *few);
+    t.sum = many ? many : few;
+    if (s == TZ_OK && !serial)
+        s = tz_parallel_for(ctx, count, run_block, &t);
+    for (int32_t b = 0; b < count && serial && s == TZ_OK; b++)
+        s = run_block(ctx, &t, b, 0);
     for (int k = 0; k < 4; k++)
         sums[k] = 0;
     for (int32_t b = 0; b < count && s == TZ_OK; b++)
@@ -51,6 +50,20 @@ tz_status tz_fill_blocks(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
             sums[k] += t.sum[b][k];
     tz_free(ctx, many);
     return s;
+}
+
+tz_status tz_fill_blocks(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
+                         double sums[4])
+{
+    return run_blocks(ctx, (blocks){work, arg, n, TZ_FILL_BLOCK, NULL},
+                      n <= TZ_FILL_SERIAL, sums);
+}
+
+tz_status tz_fill_heavy(tz_ctx *ctx, int32_t n, tz_fill_work work, void *arg,
+                        double sums[4])
+{
+    return run_blocks(ctx, (blocks){work, arg, n, TZ_FILL_HEAVY, NULL},
+                      n <= 8 * TZ_FILL_HEAVY, sums);
 }
 
 /* ---- rounds ------------------------------------------------------------------------- */
