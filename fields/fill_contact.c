@@ -28,6 +28,7 @@ enum {
 #define EASE   0.1  /* weight of staying */
 #define STIFF  10.0 /* of the turn so far, which goes back when nothing presses */
 #define SURE   20.0 /* times that, under strokes */
+#define NEVER  1e6  /* times that: lengths only */
 #define NARROW 0.2  /* part of gaps from which only overlaps count */
 #define STEP   0.5  /* of the largest disc, at most in one round */
 
@@ -169,9 +170,12 @@ static void add_row(tz_fill_lack *l, tz_vec2 n, double arm, double lack)
     l->b.x += lack * n.x, l->b.y += lack * n.y, l->b.z += lack * arm;
 }
 
-/* What a stroke has turned turns hardly. */
-static double stiff_of(const tz_fill *f, int32_t i)
+/* What a stroke has turned turns hardly, and in the end nothing does. */
+static double stiff_of(const tz_fill_outlines *o, int32_t i)
 {
+    const tz_fill *f = o->f;
+    if (o->straight)
+        return NEVER * STIFF;
     return f->confident[f->body.v[i].first] > 0 ? SURE * STIFF : STIFF;
 }
 
@@ -186,7 +190,7 @@ static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
         const double own = o->part * o->pose[a].gap;
         double least = HUGE_VAL;
         tz_vec2 at;
-        const double turned = l->turned, even = o->even, stiff = stiff_of(f, a);
+        const double turned = l->turned, even = o->even, stiff = stiff_of(o, a);
         const tz_vec2 pull = l->pull;
         *l = (tz_fill_lack){
             .turned = turned,

@@ -19,11 +19,12 @@
 #include "fields/fill_outline_internal.h"
 
 enum {
-    FIRST = 5, /* rounds of even gaps */
-    MOVES = 2, /* times that the hardest pressed move */
-    AFTER = 5, /* rounds after each */
-    EVEN = 8,  /* rounds of even gaps with pulls */
-    LAST = 12, /* rounds of narrow gaps, each time */
+    FIRST = 5,    /* rounds of even gaps */
+    MOVES = 2,    /* times that the hardest pressed move */
+    AFTER = 5,    /* rounds after each */
+    EVEN = 8,     /* rounds of even gaps with pulls */
+    LAST = 12,    /* rounds of narrow gaps, each time */
+    STRAIGHT = 2, /* times that directions are found anew */
     SHRINKS = 16,
     LOOSE = 6 /* rounds between iterations */
 };
@@ -183,6 +184,31 @@ static tz_status come(tz_fill_outlines *o)
     return s == TZ_OK && came > 0 ? tz_fill_contacts_relax(o, AFTER, 1, NULL) : s;
 }
 
+/* What has been moved or has come takes its direction from where it lies now, and all
+ * others theirs from it. */
+static tz_status turn_again(tz_fill_outlines *o)
+{
+    tz_fill *f = o->f;
+    f->fresh = false;
+    const tz_status s = tz_fill_turn_again(f);
+    for (int32_t k = 0; k < f->live.n; k++) {
+        tz_fill_outline_find(o, f->live.v[k]);
+        o->lack[f->live.v[k]].turned = 0;
+    }
+    f->fresh = false;
+    return s;
+}
+
+/* Contacts have turned things, and what moved has not been told what is said there: from
+ * here on directions are the solver's for the places that things have, and contacts only
+ * push. */
+static tz_status straighten(tz_fill_outlines *o)
+{
+    tz_status s = turn_again(o);
+    o->straight = true;
+    return s == TZ_OK ? tz_fill_contacts_relax(o, AFTER, NARROW, NULL) : s;
+}
+
 static tz_status narrow(tz_fill_outlines *o)
 {
     int32_t dropped = 0;
@@ -198,26 +224,13 @@ static tz_status narrow(tz_fill_outlines *o)
         s = tz_fill_contacts_relax(o, LAST / 2, NARROW, NULL);
     if (s == TZ_OK)
         s = move_pressed(o, 1, NARROW);
+    for (int k = 0; k < (o->f->local ? 1 : STRAIGHT) && s == TZ_OK; k++)
+        s = straighten(o);
     if (s == TZ_OK)
         s = shrink_rest(o);
     if (s == TZ_OK)
         s = drop_worst(o, &dropped);
     return s == TZ_OK && dropped > 0 ? tz_fill_contacts_relax(o, LAST, NARROW, NULL) : s;
-}
-
-/* What has been moved or has come takes its direction from where it lies now, and all
- * others theirs from it. */
-static tz_status turn_again(tz_fill_outlines *o)
-{
-    tz_fill *f = o->f;
-    f->fresh = false;
-    const tz_status s = tz_fill_turn_again(f);
-    for (int32_t k = 0; k < f->live.n; k++) {
-        tz_fill_outline_find(o, f->live.v[k]);
-        o->lack[f->live.v[k]].turned = 0;
-    }
-    f->fresh = false;
-    return s == TZ_OK ? tz_fill_contacts_relax(o, AFTER, 1, NULL) : s;
 }
 
 tz_status tz_fill_repair(tz_fill *f)
@@ -238,6 +251,8 @@ tz_status tz_fill_repair(tz_fill *f)
         s = come(&o);
     if (s == TZ_OK)
         s = turn_again(&o);
+    if (s == TZ_OK)
+        s = tz_fill_contacts_relax(&o, AFTER, 1, NULL);
     if (s == TZ_OK)
         s = narrow(&o);
     f->fresh = false;
