@@ -48,6 +48,8 @@ static tz_status pair_up(tz_fill_outlines *o)
     tz_status s = tz_realloc(f->ctx, &o->touch, (size_t)n + 1, sizeof *o->touch);
     if (s == TZ_OK)
         s = tz_realloc(f->ctx, &o->contact, (size_t)n + 1, sizeof *o->contact);
+    if (s == TZ_OK)
+        s = tz_realloc(f->ctx, &o->share, 2 * (size_t)n + 1, sizeof *o->share);
     o->contacts = 0;
     for (int32_t a = 0; a < f->body.n && s == TZ_OK; a++)
         for (int32_t k = o->start[a]; k < o->start[a + 1]; k++) {
@@ -192,6 +194,7 @@ static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
         tz_vec2 at;
         const double turned = l->turned, even = o->even, stiff = stiff_of(o, a);
         const tz_vec2 pull = l->pull;
+        tz_fill_share *share = o->share + 2 * (ptrdiff_t)o->start[a];
         *l = (tz_fill_lack){
             .turned = turned,
             .pull = pull,
@@ -209,6 +212,10 @@ static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
                 const double way = other ? -1 : 1;
                 add_row(l, tz_vec2_scale(c->way[e], way), way * c->arm[e][other],
                         c->lack[e]);
+                if (c->both)
+                    share[l->shares++] =
+                        (tz_fill_share){o->near[k], c->way[e].x, c->way[e].y,
+                                        c->arm[e][other], c->arm[e][!other]};
                 least = fmin(least, gap - c->lack[e]);
                 l->energy += c->lack[e] * c->lack[e];
                 sums[0] += (c->both ? 0.5 : 1) * c->lack[e] * c->lack[e];
@@ -229,7 +236,7 @@ static void find_rows(void *arg, int32_t from, int32_t to, double sums[4])
 
 tz_status tz_fill_contacts_measure(tz_fill_outlines *o)
 {
-    tz_status s = tz_fill_blocks(o->f->ctx, o->contacts, find_contacts, o, NULL);
+    tz_status s = tz_fill_heavy(o->f->ctx, o->contacts, find_contacts, o, NULL);
     for (int32_t j = 0; j < o->f->live.n; j++)
         o->moved[o->f->live.v[j]] = false;
     return s == TZ_OK ? tz_fill_blocks(o->f->ctx, o->f->live.n, find_rows, o, NULL) : s;
@@ -285,21 +292,12 @@ static void multiply(void *arg, int32_t from, int32_t to, double sums[4])
         tz_vec3 q = {m[0] * p.x + m[1] * p.y + m[3] * p.z,
                      m[1] * p.x + m[2] * p.y + m[4] * p.z,
                      m[3] * p.x + m[4] * p.y + m[5] * p.z};
-        for (int32_t k = o->start[a]; k < o->start[a + 1]; k++) {
-            const bool other = o->touch[k] < 0;
-            const tz_fill_contact *c = &o->contact[other ? ~o->touch[k] : o->touch[k]];
-            const int32_t b = o->near[k];
-            if (!c->both || !c->near || f->body.v[b].gone)
-                continue;
-            const tz_vec3 w = o->lack[b].p;
-            for (int e = 0; e < 2; e++) {
-                if (!(c->lack[e] > 0))
-                    continue;
-                const double d =
-                    c->way[e].x * w.x + c->way[e].y * w.y + c->arm[e][!other] * w.z;
-                q.x -= d * c->way[e].x, q.y -= d * c->way[e].y;
-                q.z -= d * c->arm[e][other];
-            }
+        const tz_fill_share *share = o->share + 2 * (ptrdiff_t)o->start[a];
+        for (int32_t k = 0; k < l->shares; k++) {
+            const tz_fill_share *e = &share[k];
+            const tz_vec3 w = o->lack[e->with].p;
+            const double d = e->x * w.x + e->y * w.y + e->other * w.z;
+            q.x -= d * e->x, q.y -= d * e->y, q.z -= d * e->own;
         }
         l->q = q;
         sums[0] += dot(p, q);
@@ -388,7 +386,7 @@ tz_status tz_fill_contacts_relax(tz_fill_outlines *o, int32_t rounds, double par
         if (s == TZ_OK)
             s = tz_ctx_cancelled(f->ctx) ? TZ_CANCELLED : TZ_OK;
         if (s == TZ_OK)
-            s = tz_fill_blocks(f->ctx, o->contacts, find_contacts, o, NULL);
+            s = tz_fill_heavy(f->ctx, o->contacts, find_contacts, o, NULL);
         for (int32_t j = 0; j < f->live.n; j++)
             o->moved[f->live.v[j]] = false;
         if (s == TZ_OK)

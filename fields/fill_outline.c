@@ -439,5 +439,5 @@ void tz_fill_outlines_deinit(tz_fill_outlines *o)
     tz_free(ctx, o->known), tz_free(ctx, o->shrunk), tz_free(ctx, o->border);
     tz_free(ctx, o->way), tz_free(ctx, o->rim);
     tz_free(ctx, o->start), tz_free(ctx, o->near);
-    tz_free(ctx, o->touch), tz_free(ctx, o->contact);
+    tz_free(ctx, o->touch), tz_free(ctx, o->contact), tz_free(ctx, o->share);
 }

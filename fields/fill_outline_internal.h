@@ -39,15 +39,22 @@ typedef struct tz_fill_contact {
     double arm[2][2]; /**< how a turn of a, of b moves it that way, over their reaches */
 } tz_fill_contact;
 
+/** A lack that another body shares, as its body's row has it. */
+typedef struct tz_fill_share {
+    int32_t with;
+    double x, y, own, other; /**< way; arms of this body and of the other */
+} tz_fill_share;
+
 /** What one body lacks, of all its contacts and the border. */
 typedef struct tz_fill_lack {
-    double depth;  /**< largest overlap, true outlines; < 0 = least gap */
-    double energy; /**< sum of squares of its lacks: how hard it is pressed */
-    double border; /**< > 0: lack to the border */
-    tz_vec2 way;   /**< into the domain */
-    tz_vec2 pull;  /**< to the centre of its cells, as the diagram was found */
-    double turned; /**< radians so far */
-    double arm;    /**< of the border's lack */
+    double depth;   /**< largest overlap, true outlines; < 0 = least gap */
+    double energy;  /**< sum of squares of its lacks: how hard it is pressed */
+    double border;  /**< > 0: lack to the border */
+    tz_vec2 way;    /**< into the domain */
+    tz_vec2 pull;   /**< to the centre of its cells, as the diagram was found */
+    double turned;  /**< radians so far */
+    int32_t shares; /**< lacks that move others, too */
+    double arm;     /**< of the border's lack */
     double row[6]; /**< of the system, for x, y and turn times reach: xx xy yy xt yt tt */
     tz_vec3 b, x, r, p, q; /**< right side, step, conjugate gradients */
 } tz_fill_lack;
@@ -71,6 +78,7 @@ typedef struct tz_fill_outlines {
     int32_t *touch;        /**< of near: its contact; ~ if this body is its b */
     tz_fill_contact *contact;
     int32_t contacts;
+    tz_fill_share *share; /**< of body i from 2 * start[i] on */
 } tz_fill_outlines;
 
 /* fill_outline.c */
