@@ -6,7 +6,7 @@
 #include "fields/fill_internal.h"
 
 #define MOST_SHARE 1e12
-#define MOST_SIZE  1e6
+#define MOST_SIZE  1e12
 
 /* ---- models ------------------------------------------------------------------------- */
 
@@ -113,11 +113,6 @@ static tz_status take_border(tz_ctx *ctx, tz_fill_model *m, const tz_vec2 *v, in
     const double step = all / (32 * TZ_FILL_BORDER);
     const int64_t count = walk_border(m, v, n, part, parts, step, 0);
     walk_border(m, v, n, part, parts, step, (double)count / TZ_FILL_BORDER);
-    for (int32_t k = 0; k < m->borders; k++) {
-        const int32_t few = k / TZ_FILL_FEW;
-        const tz_vec2 d = tz_vec2_sub(m->border[k], m->border[few * TZ_FILL_FEW]);
-        m->span[few] = fmax(m->span[few], tz_vec2_length(d));
-    }
     return s;
 }
 
@@ -452,7 +447,6 @@ tz_status tz_fill_reserve(tz_fill *f, int32_t samples)
     GROW(owner, 1)
     GROW(node, 1)
     GROW(weight, 1)
-    GROW(third, 1)
     GROW(target, m)
     GROW(target_c, 1)
     GROW(target_rho, 1)
