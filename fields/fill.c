@@ -51,12 +51,11 @@ void tz_fill_end(tz_fill *f)
     tz_power_free(f->power);
     tz_fill_guide_deinit(f);
     void *const all[] = {
-        f->at,         f->radius, f->c,        f->rho,        f->o,        f->owner,
-        f->node,       f->weight, f->third,    f->target,     f->target_c, f->target_rho,
-        f->confident,  f->said_c, f->said_rho, f->link_start, f->edge_to,  f->edge_w,
-        f->link_count, f->diag,   f->rank,     f->gradient,   f->step,     f->kept,
-        f->block,      f->work,   f->pressure, f->prior,      f->wide,     f->peer,
-        f->named};
+        f->at,     f->radius,   f->c,          f->rho,      f->o,          f->owner,
+        f->node,   f->weight,   f->target,     f->target_c, f->target_rho, f->confident,
+        f->said_c, f->said_rho, f->link_start, f->edge_to,  f->edge_w,     f->link_count,
+        f->diag,   f->rank,     f->gradient,   f->step,     f->kept,       f->block,
+        f->work,   f->pressure, f->prior,      f->wide,     f->peer,       f->named};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         tz_free(ctx, all[i]);
     tz_free(ctx, f);

@@ -56,8 +56,9 @@ static void find_about(const tz_fill_outlines *o, const tz_fill_gap *g,
     }
 }
 
-/* What a stroke says there, or the mean direction of what lies about, the nearer the more.
- */
+/* What a stroke says there, or the mean direction of what lies about, the nearer the more;
+ * about a whirl these cancel each other, and what lies harmonically between the strokes
+ * knows which way is forth. */
 static double angle_about(const tz_fill *f, const tz_fill_gap *g)
 {
     const tz_element_field_cell *said =
@@ -72,6 +73,10 @@ static double angle_about(const tz_fill *f, const tz_fill_gap *g)
         const double w = 1 / (v.x * v.x + v.y * v.y + 0.01 * f->radius[q] * f->radius[q]);
         sum = tz_vec2_add(sum, tz_vec2_scale(tz_fill_turn(f, q), w));
     }
+    tz_vec2 between;
+    if (f->any_direction && tz_fill_direction(f, g->at, &between) > 0 &&
+        tz_vec2_dot(sum, between) < 0)
+        sum = between;
     return atan2(sum.y, sum.x);
 }
 
@@ -158,7 +163,7 @@ static void put_at(tz_fill_outlines *o, int32_t i, const tz_fill_gap *g)
     const tz_vec2 d = middle_of(f, b->model, angle + b->turn, c * b->size);
     tz_fill_put(f, i, (tz_vec3){g->at.x - d.x, g->at.y - d.y, 0}, angle, c);
     for (int32_t k = b->first; k < b->first + b->n; k++)
-        f->third[k] = 0, tz_fill_set_rho(f, k, f->rho[g->sample]);
+        tz_fill_set_rho(f, k, f->rho[g->sample]);
     tz_fill_outline_find(o, i);
 }
 

@@ -40,7 +40,6 @@ enum {
     TZ_FILL_HEAVY = 128,    /**< contacts, the same; serial below eight such blocks */
     TZ_FILL_MOST = 2000000, /**< bodies */
     TZ_FILL_PEERS = 6,      /**< things that a thing is compared with */
-    TZ_FILL_FEW = 4,        /**< outline points that are looked at together */
     TZ_FILL_BORDER = 64     /**< outline points of a model that contacts are found at */
 };
 #define TZ_FILL_GRAPH 100.0 /**< w_g of Eq. (4) */
@@ -64,8 +63,6 @@ typedef struct tz_fill_model {
                            its area grows by (1 + rho)^2 */
     tz_disc_cover cover;
     tz_vec2 *border; /**< points of the outline, evenly spaced */
-    double
-        span[TZ_FILL_BORDER / TZ_FILL_FEW]; /**< from the first of a few to the others */
     int32_t borders, samples;
     tz_vec2 *sample; /**< the palette element's own samples */
 } tz_fill_model;
@@ -171,7 +168,6 @@ struct tz_fill {
     TZ_ARRAY(int32_t)
     left, changed; /**< samples gone since the last diagram; that it changes */
     /* of one iteration, a sample each */
-    double *third;  /**< key of the third nearest */
     double *target; /**< m: direction said; size, density said */
     double *target_c, *target_rho, *confident, *said_c, *said_rho;
     int32_t

@@ -76,7 +76,6 @@ tz_status tz_fill_pack(tz_fill *f, bool sort)
     permute(f, o, n, f->rho, sizeof *f->rho, room);
     permute(f, o, n, f->wide, sizeof *f->wide, room);
     permute(f, o, n, f->o, (size_t)f->m * sizeof *f->o, room);
-    permute(f, o, n, f->third, sizeof *f->third, room);
     permute(f, o, n, f->pressure, sizeof *f->pressure, room);
     for (int32_t k = 0; k < n; k++) {
         body[k] = f->body.v[o[k].body];

@@ -126,7 +126,6 @@ static tz_status add_drawn(tz_fill *f, const draw *d, tz_vec3 at, int32_t like,
         mean.x += w * f->at[b->first + k].x, mean.y += w * f->at[b->first + k].y;
         total += w;
         tz_fill_set_rho(f, b->first + k, rho);
-        f->third[b->first + k] = 0;
     }
     for (int32_t k = 0; k < b->n; k++) {
         f->at[b->first + k].x += at.x - mean.x / total;
@@ -432,10 +431,8 @@ tz_status tz_fill_begin_bodies(tz_fill *f, const tz_element_set *layout)
         s = keep_obstacle(f, layout, e);
         if (s == TZ_OK)
             s = bend_discs(f, layout, i, body);
-        for (int32_t k = f->body.v[body].first; k < f->n; k++) {
+        for (int32_t k = f->body.v[body].first; k < f->n; k++)
             tz_fill_set_rho(f, k, tz_fill_rho(f, f->at[k]));
-            f->third[k] = 0;
-        }
     }
     tz_free(f->ctx, rank);
     return s;

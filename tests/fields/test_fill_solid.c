@@ -141,7 +141,7 @@ static void put_body(box *b, int k, double rigidity, const matrix *by)
         f->c[s] = 1;
         f->owner[s] = k;
         f->node[s] = rigidity >= TZ_FILL_RIGID ? k * BALLS : s;
-        f->third[s] = f->prior[s] = f->pressure[s] = 0;
+        f->prior[s] = f->pressure[s] = 0;
         tz_fill_set_rho(f, s, 0);
         put(f->o + 9 * s, &o);
         put(f->target + 9 * s, &said);

@@ -103,7 +103,6 @@ static void make(chains *c, int dim, double rigidity)
             f->radius[i] = 0.6, f->c[i] = f->wide[i] = 1, f->rho[i] = 0;
             f->owner[i] = b;
             f->node[i] = rigidity >= TZ_FILL_RIGID ? b * DISCS : i;
-            f->third[i] = 0;
             double *o = f->o + (ptrdiff_t)i * f->m;
             memset(o, 0, (size_t)f->m * sizeof *o);
             const double t = turn + 0.2 * tz_rng_normal(&r);
