@@ -41,8 +41,8 @@ static bool is_peer(const tz_fill *f, const tz_fill_body *b)
 
 static int32_t cell_of(double x, double side, int32_t n)
 {
-    const double c = floor(x / side);
-    return c < 0 ? 0 : c >= n ? n - 1 : (int32_t)c;
+    const double c = x / side;
+    return !(c > 0) ? 0 : c >= n ? n - 1 : (int32_t)c;
 }
 
 static void grid_deinit(tz_ctx *ctx, grid *g)
@@ -106,10 +106,12 @@ typedef struct nearest {
     tz_vec3 at;
 } nearest;
 
-static void look_into(const tz_fill *f, const grid *g, int32_t x, int32_t y, nearest *s)
+/* Cells from x0 to x1 of a row. */
+static inline void look_into(const tz_fill *f, const grid *g, int32_t x0, int32_t x1,
+                             int32_t y, nearest *s)
 {
-    const int32_t c = y * g->width + x;
-    for (int32_t k = g->start[c]; k < g->start[c + 1]; k++) {
+    const int32_t *row = g->start + (ptrdiff_t)y * g->width, end = row[x1 + 1];
+    for (int32_t k = row[x0]; k < end; k++) {
         const int32_t b = g->item[k];
         if (b == s->self)
             continue;
@@ -126,28 +128,50 @@ static void look_into(const tz_fill *f, const grid *g, int32_t x, int32_t y, nea
     }
 }
 
-/* One ring of cells; false if all of them lie outside. On a torus each cell is met once. */
+/* One ring of cells; false if all of them lie outside. */
 static bool look_around(const tz_fill *f, const grid *g, int32_t cx, int32_t cy,
                         int32_t ring, nearest *s)
 {
-    const bool torus = f->domain.torus;
+    const int32_t x0 = cx - ring, x1 = cx + ring, y0 = cy - ring, y1 = cy + ring;
+    const int32_t from = x0 > 0 ? x0 : 0, to = x1 < g->width ? x1 : g->width - 1;
+    if (x0 < 0 && y0 < 0 && x1 >= g->width && y1 >= g->height)
+        return false;
+    for (int32_t y = y0 > 0 ? y0 : 0; y <= y1 && y < g->height; y++) {
+        if (y == y0 || y == y1) {
+            look_into(f, g, from, to, y, s);
+            continue;
+        }
+        if (x0 >= 0)
+            look_into(f, g, x0, x0, y, s);
+        if (x1 < g->width)
+            look_into(f, g, x1, x1, y, s);
+    }
+    return true;
+}
+
+/* The same on a torus; each cell is met once. */
+static bool look_about(const tz_fill *f, const grid *g, int32_t cx, int32_t cy,
+                       int32_t ring, nearest *s)
+{
     const int32_t w = g->width, h = g->height;
-    const int32_t left = torus ? (w - 1) / 2 : w, right = torus ? w / 2 : w,
-                  up = torus ? (h - 1) / 2 : h, down = torus ? h / 2 : h;
+    const int32_t left = (w - 1) / 2, right = w / 2, up = (h - 1) / 2, down = h / 2;
     bool any = false;
     for (int32_t j = -ring; j <= ring; j++) {
-        if (j < -up || j > down || (!torus && (cy + j < 0 || cy + j >= h)))
+        if (j < -up || j > down)
             continue;
         const int32_t step = j == -ring || j == ring ? 1 : 2 * ring;
         for (int32_t i = -ring; i <= ring; i += step > 0 ? step : 1) {
-            if (i < -left || i > right || (!torus && (cx + i < 0 || cx + i >= w)))
+            if (i < -left || i > right)
                 continue;
-            look_into(f, g, (cx + i + w) % w, (cy + j + h) % h, s);
+            const int32_t x = (cx + i + w) % w;
+            look_into(f, g, x, x, (cy + j + h) % h, s);
             any = true;
         }
     }
     return any;
 }
+
+static inline double least(double a, double b) { return a < b ? a : b; }
 
 typedef struct search {
     tz_fill *f;
@@ -159,6 +183,7 @@ static void find_peers(void *arg, int32_t from, int32_t to, double sums[4])
     const search *t = arg;
     tz_fill *f = t->f;
     const grid *g = t->grid;
+    const bool torus = f->domain.torus;
     (void)sums;
     for (int32_t j = from; j < to; j++) {
         const int32_t b = f->live.v[j];
@@ -167,15 +192,15 @@ static void find_peers(void *arg, int32_t from, int32_t to, double sums[4])
         s.at = tz_fill_middle(f, &f->body.v[b]);
         const int32_t cx = cell_of(s.at.x, g->cell_x, g->width),
                       cy = cell_of(s.at.y, g->cell_y, g->height);
+        const double x = least(s.at.x - cx * g->cell_x, (cx + 1) * g->cell_x - s.at.x),
+                     y = least(s.at.y - cy * g->cell_y, (cy + 1) * g->cell_y - s.at.y);
         for (int32_t ring = 0;; ring++) {
             /* what is not yet seen lies beyond the cells that were */
-            const double x = fmin(s.at.x - cx * g->cell_x, (cx + 1) * g->cell_x - s.at.x),
-                         y = fmin(s.at.y - cy * g->cell_y, (cy + 1) * g->cell_y - s.at.y);
             const double reach =
-                fmax(fmin(x + (ring - 1) * g->cell_x, y + (ring - 1) * g->cell_y), 0);
-            if (ring > 0 && s.n == TZ_FILL_PEERS && s.d2[s.n - 1] <= reach * reach)
+                least(x + (ring - 1) * g->cell_x, y + (ring - 1) * g->cell_y);
+            if (reach > 0 && s.n == TZ_FILL_PEERS && s.d2[s.n - 1] <= reach * reach)
                 break;
-            if (!look_around(f, g, cx, cy, ring, &s))
+            if (!(torus ? look_about : look_around)(f, g, cx, cy, ring, &s))
                 break;
         }
         for (int32_t k = 0; k < TZ_FILL_PEERS; k++)
