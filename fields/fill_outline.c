@@ -207,6 +207,13 @@ static inline int32_t pass(const double *way, int32_t k, int32_t n, double room)
     return k;
 }
 
+/* Way along the outline, as drawn, that is one unit in the world at most: a bent one may
+ * be longer. */
+static double per_way(const tz_fill_outlines *o, int32_t i)
+{
+    return 1 / ((o->pose[i].soft ? 2 : 1) * o->pose[i].scale);
+}
+
 /* From a point along the outline, either way, as long as it gets deeper. */
 static int32_t climb(const look *l, int32_t k, int32_t n, double *deep)
 {
@@ -228,8 +235,7 @@ static double deepest_in_rigid(const tz_fill_outlines *o, int32_t a, int32_t b,
     const int32_t model = o->f->body.v[a].model, n = o->f->model.v[model].borders;
     const double *way = o->way[model];
     const look l = look_into(o, a, b);
-    /* a bent outline may be longer */
-    const double per = 1 / ((o->pose[a].soft ? 2 : 1) * o->pose[a].scale);
+    const double per = per_way(o, a);
     double upper, deep = least;
     int32_t k0 = -1;
     if (*best >= 0) {
@@ -336,6 +342,7 @@ double tz_fill_outline_border(const tz_fill_outlines *o, int32_t i, double gap,
     const tz_vec3 from = {o->pose[i].at.x, o->pose[i].at.y, 0};
     if (tz_domain_depth(d, tz_domain_wrap(d, from)) > o->pose[i].reach + gap)
         return 0;
+    const double *along = o->way[f->body.v[i].model], per = per_way(o, i);
     double most = 0;
     tz_vec2 where = {0, 0};
     for (int32_t k = 0; k < m->borders; k++) {
@@ -344,6 +351,8 @@ double tz_fill_outline_border(const tz_fill_outlines *o, int32_t i, double gap,
             gap - tz_domain_depth(d, tz_domain_wrap(d, (tz_vec3){q.x, q.y, 0}));
         if (lack > most)
             most = lack, where = q;
+        else
+            k = pass(along, k, m->borders, (most - lack) * per);
     }
     if (!(most > 0))
         return 0;
