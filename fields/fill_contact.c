@@ -172,7 +172,7 @@ static void add_row(tz_fill_lack *l, tz_vec2 n, double arm, double lack)
     l->b.x += lack * n.x, l->b.y += lack * n.y, l->b.z += lack * arm;
 }
 
-/* What a stroke has turned turns hardly, and in the end nothing does. */
+/* What a stroke has turned turns hardly, and nothing does that is only pushed. */
 static double stiff_of(const tz_fill_outlines *o, int32_t i)
 {
     const tz_fill *f = o->f;

@@ -63,7 +63,7 @@ typedef struct tz_fill_outlines {
     tz_fill *f;
     double even;           /**< weight of pulls; 0 = none */
     double part;           /**< of gaps that are asked for now */
-    bool straight;         /**< nothing turns any more */
+    bool straight;         /**< contacts only push */
     tz_fill_pose_of *pose; /**< a body each */
     tz_fill_lack *lack;
     bool *moved, *known;           /**< since contacts were found; whether the pose is */

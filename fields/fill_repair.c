@@ -201,12 +201,20 @@ static tz_status turn_again(tz_fill_outlines *o)
 
 /* Contacts have turned things, and what moved has not been told what is said there: from
  * here on directions are the solver's for the places that things have, and contacts only
- * push. */
+ * push. What they cannot part so may turn again, and little else is pressed then. */
 static tz_status straighten(tz_fill_outlines *o)
 {
-    tz_status s = turn_again(o);
-    o->straight = true;
-    return s == TZ_OK ? tz_fill_contacts_relax(o, AFTER, NARROW, NULL) : s;
+    tz_status s = TZ_OK;
+    for (int k = 0; k < (o->f->local ? 1 : STRAIGHT) && s == TZ_OK; k++) {
+        s = turn_again(o);
+        o->straight = true;
+        if (s == TZ_OK)
+            s = tz_fill_contacts_relax(o, AFTER, NARROW, NULL);
+    }
+    if (s == TZ_OK)
+        s = tz_fill_contacts_relax(o, LAST, TIGHT, NULL);
+    o->straight = false;
+    return s;
 }
 
 static tz_status narrow(tz_fill_outlines *o)
@@ -224,7 +232,7 @@ static tz_status narrow(tz_fill_outlines *o)
         s = tz_fill_contacts_relax(o, LAST / 2, NARROW, NULL);
     if (s == TZ_OK)
         s = move_pressed(o, 1, NARROW);
-    for (int k = 0; k < (o->f->local ? 1 : STRAIGHT) && s == TZ_OK; k++)
+    if (s == TZ_OK)
         s = straighten(o);
     if (s == TZ_OK)
         s = shrink_rest(o);
