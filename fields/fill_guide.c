@@ -157,23 +157,38 @@ tz_status tz_fill_guide_init(tz_fill *f)
     return s;
 }
 
+/* Where a place lies between four cells. */
+typedef struct between {
+    ptrdiff_t at[4];
+    double u, v;
+} between;
+
+static double clamp(double x, double most) { return x > most ? most : x > 0 ? x : 0; }
+
+static between look(const tz_fill *f, tz_vec3 at)
+{
+    const tz_fill_guide *g = &f->guide;
+    const double x = clamp(at.x / f->domain.size.x * g->width - 0.5, g->width - 1),
+                 y = clamp(at.y / f->domain.size.y * g->height - 0.5, g->height - 1);
+    const int32_t i = (int32_t)x, j = (int32_t)y;
+    const int32_t i1 = i + 1 < g->width ? i + 1 : i, j1 = j + 1 < g->height ? j + 1 : j;
+    const ptrdiff_t p = (ptrdiff_t)j * g->width, q = (ptrdiff_t)j1 * g->width;
+    return (between){{p + i, p + i1, q + i, q + i1}, x - i, y - j};
+}
+
+static double mix(const between *b, const double *map)
+{
+    return (map[b->at[0]] * (1 - b->u) + map[b->at[1]] * b->u) * (1 - b->v) +
+           (map[b->at[2]] * (1 - b->u) + map[b->at[3]] * b->u) * b->v;
+}
+
 /* Bilinear; what is said at the place itself goes first. */
 static double look_up(const tz_fill *f, const double *map, tz_vec3 at, int what)
 {
-    const tz_fill_guide *g = &f->guide;
     at = tz_domain_wrap(&f->domain, at);
     const tz_element_field_cell *c = cell_at(f, at, said_by[what], false);
-    if (c)
-        return value_of(c, what);
-    const double x = at.x / f->domain.size.x * g->width - 0.5,
-                 y = at.y / f->domain.size.y * g->height - 0.5;
-    const double cx = fmin(fmax(x, 0), g->width - 1),
-                 cy = fmin(fmax(y, 0), g->height - 1);
-    const int32_t i = (int32_t)cx, j = (int32_t)cy;
-    const int32_t i1 = i + 1 < g->width ? i + 1 : i, j1 = j + 1 < g->height ? j + 1 : j;
-    const double u = cx - i, v = cy - j;
-    const double *p = map + (ptrdiff_t)j * g->width, *q = map + (ptrdiff_t)j1 * g->width;
-    return (p[i] * (1 - u) + p[i1] * u) * (1 - v) + (q[i] * (1 - u) + q[i1] * u) * v;
+    const between b = look(f, at);
+    return c ? value_of(c, what) : mix(&b, map);
 }
 
 double tz_fill_direction(const tz_fill *f, tz_vec3 at, tz_vec2 *v)
@@ -181,11 +196,14 @@ double tz_fill_direction(const tz_fill *f, tz_vec3 at, tz_vec2 *v)
     *v = (tz_vec2){1, 0};
     if (!f->guide.x || !f->guide.y)
         return 0;
-    const double x = look_up(f, f->guide.x, at, COSINE),
-                 y = look_up(f, f->guide.y, at, SINE), l = hypot(x, y);
+    at = tz_domain_wrap(&f->domain, at);
+    const tz_element_field_cell *c = cell_at(f, at, said_by[COSINE], false);
+    const between b = look(f, at);
+    const double x = c ? value_of(c, COSINE) : mix(&b, f->guide.x),
+                 y = c ? value_of(c, SINE) : mix(&b, f->guide.y), l = sqrt(x * x + y * y);
     if (l > 0)
         *v = (tz_vec2){x / l, y / l};
-    return fmin(l, 1);
+    return l < 1 ? l : 1;
 }
 
 double tz_fill_angle(const tz_fill *f, tz_vec3 at)
