@@ -82,11 +82,56 @@ static tz_vec2 pull_of(const tz_fill_body *b, const tz_power_cells *c)
     return area > 0 ? tz_vec2_scale(sum, 1 / area) : sum;
 }
 
+typedef TZ_ARRAY(int32_t)
+near_list;
+
+/* A body that lies whole within larger discs has no cells and meets nobody: the sample that
+ * has the cell there, walked to over neighbours; -1 = none. */
+static int32_t within(const tz_fill *f, const tz_fill_body *b, const tz_power_cells *c)
+{
+    int32_t q = b->first;
+    while (q > 0 && c->count[q] == 0)
+        q--;
+    while (q < f->n - 1 && c->count[q] == 0)
+        q++;
+    double least = HUGE_VAL;
+    for (int32_t step = 0; step < f->n; step++) {
+        int32_t next = -1;
+        for (int32_t e = step == 0 ? -1 : 0; e < c->count[q]; e++) {
+            const int32_t k = e < 0 ? q : c->neighbour[c->start[q] + e];
+            const tz_vec3 v = tz_fill_vector(f, f->at[k], f->at[b->first]);
+            const double r = tz_fill_radius(f, k), power = v.x * v.x + v.y * v.y - r * r;
+            if (power < least)
+                least = power, next = k;
+        }
+        if (next < 0)
+            break;
+        q = next;
+    }
+    return c->count[q] > 0 ? q : -1;
+}
+
+/* The owner of a sample is near a body, if it is another's; once. */
+static tz_status add_near(tz_fill_outlines *o, near_list *list, int32_t i, int32_t sample)
+{
+    const int32_t q = o->f->owner[sample];
+    bool new = q != i;
+    assert(list->n == 0 || list->v);
+    for (int32_t j = o->start[i]; j < list->n && new; j++)
+        new = list->v[j] != q;
+    if (!o->known[q])
+        tz_fill_outline_find(o, q);
+    if (!new)
+        return TZ_OK;
+    const tz_status s = tz_array_push(o->f->ctx, list, q);
+    assert(s != TZ_OK || list->v);
+    return s;
+}
+
 tz_status tz_fill_contacts_find(tz_fill_outlines *o)
 {
     tz_fill *f = o->f;
-    TZ_ARRAY(int32_t)
-    list = {0};
+    near_list list = {0};
     f->fresh = false;
     tz_status s = tz_fill_diagram(f);
     if (s == TZ_OK)
@@ -101,19 +146,13 @@ tz_status tz_fill_contacts_find(tz_fill_outlines *o)
             continue;
         o->moved[i] = true;
         o->lack[i].pull = pull_of(b, &c);
-        for (int32_t k = b->first; k < b->first + b->n && s == TZ_OK; k++)
-            for (int32_t e = 0; e < c.count[k] && s == TZ_OK; e++) {
-                const int32_t q = f->owner[c.neighbour[c.start[k] + e]];
-                bool new = q != i;
-                for (int32_t j = o->start[i]; j < list.n && new; j++)
-                    new = list.v[j] != q;
-                if (new) {
-                    s = tz_array_push(f->ctx, &list, q);
-                    assert(s != TZ_OK || list.v);
-                }
-                if (!o->known[q])
-                    tz_fill_outline_find(o, q);
-            }
+        int32_t cells = 0;
+        for (int32_t k = b->first; k<b->first + b->n; k++, cells += c.count[k - 1]> 0)
+            for (int32_t e = 0; e < c.count[k] && s == TZ_OK; e++)
+                s = add_near(o, &list, i, c.neighbour[c.start[k] + e]);
+        const int32_t in = cells == 0 ? within(f, b, &c) : -1;
+        if (in >= 0 && s == TZ_OK)
+            s = add_near(o, &list, i, in);
         if (!o->known[i])
             tz_fill_outline_find(o, i);
     }
