@@ -86,14 +86,12 @@ typedef TZ_ARRAY(int32_t)
 near_list;
 
 /* A body that lies whole within larger discs has no cells and meets nobody: the sample that
- * has the cell there, walked to over neighbours; -1 = none. */
-static int32_t within(const tz_fill *f, const tz_fill_body *b, const tz_power_cells *c)
+ * has the cell there, walked to over neighbours from one that has a cell; -1 = none. */
+static int32_t within(const tz_fill *f, const tz_fill_body *b, const tz_power_cells *c,
+                      int32_t q)
 {
-    int32_t q = b->first;
-    while (q > 0 && c->count[q] == 0)
-        q--;
-    while (q < f->n - 1 && c->count[q] == 0)
-        q++;
+    if (q >= f->n || c->count[q] == 0)
+        return -1;
     double least = HUGE_VAL;
     for (int32_t step = 0; step < f->n; step++) {
         int32_t next = -1;
@@ -108,7 +106,7 @@ static int32_t within(const tz_fill *f, const tz_fill_body *b, const tz_power_ce
             break;
         q = next;
     }
-    return c->count[q] > 0 ? q : -1;
+    return q;
 }
 
 /* The owner of a sample is near a body, if it is another's; once. */
@@ -116,8 +114,7 @@ static tz_status add_near(tz_fill_outlines *o, near_list *list, int32_t i, int32
 {
     const int32_t q = o->f->owner[sample];
     bool new = q != i;
-    assert(list->n == 0 || list->v);
-    for (int32_t j = o->start[i]; j < list->n && new; j++)
+    for (int32_t j = o->start[i]; list->v && j < list->n && new; j++)
         new = list->v[j] != q;
     if (!o->known[q])
         tz_fill_outline_find(o, q);
@@ -137,6 +134,9 @@ tz_status tz_fill_contacts_find(tz_fill_outlines *o)
     if (s == TZ_OK)
         s = tz_fill_outlines_reserve(o, 0);
     const tz_power_cells c = tz_power_get(f->power);
+    int32_t seen = 0; /* the last sample that has a cell */
+    while (s == TZ_OK && seen < f->n && c.count[seen] == 0)
+        seen++;
     tz_free(f->ctx, o->near);
     o->near = NULL;
     for (int32_t i = 0; i < f->body.n && s == TZ_OK; i++) {
@@ -146,11 +146,14 @@ tz_status tz_fill_contacts_find(tz_fill_outlines *o)
             continue;
         o->moved[i] = true;
         o->lack[i].pull = pull_of(b, &c);
-        int32_t cells = 0;
-        for (int32_t k = b->first; k<b->first + b->n; k++, cells += c.count[k - 1]> 0)
+        bool hidden = true;
+        for (int32_t k = b->first; k < b->first + b->n; k++) {
             for (int32_t e = 0; e < c.count[k] && s == TZ_OK; e++)
                 s = add_near(o, &list, i, c.neighbour[c.start[k] + e]);
-        const int32_t in = cells == 0 ? within(f, b, &c) : -1;
+            if (c.count[k] > 0)
+                hidden = false, seen = k;
+        }
+        const int32_t in = hidden && s == TZ_OK ? within(f, b, &c, seen) : -1;
         if (in >= 0 && s == TZ_OK)
             s = add_near(o, &list, i, in);
         if (!o->known[i])
