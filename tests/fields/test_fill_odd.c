@@ -137,6 +137,30 @@ static void heaps_come_apart(void **state)
     }
 }
 
+/* A small thing in the middle of a large one has no cell in the diagram. */
+static void what_lies_within_comes_out(void **state)
+{
+    (void)state;
+    enum { ROWS = 4, PAIRS = ROWS * ROWS };
+    bed b;
+    tz_fill_report r;
+    const double side = 120 * ROWS;
+    bed_lay(&b, 2, side, 1, 1);
+    for (int32_t i = 0; i < 2 * PAIRS; i++) { /* leaves, then discs in them */
+        const int32_t k = i % PAIRS;
+        const tz_vec3 at = {120 * (k % ROWS) + 60.0, 120 * (k / ROWS) + 60.0, 0};
+        ok(b.ctx, tz_element_set_place(&b.layout, &b.palette, i / PAIRS, at, 0,
+                                       i < PAIRS ? 3 : 0.5));
+    }
+    b.job.count = -1;
+    ok(b.ctx, tz_fill_run(b.ctx, &b.job, &b.layout, &r));
+    filling_sound(b.ctx, &b.layout);
+    filling_inside(&b.domain, &b.layout);
+    assert_int_equal(b.layout.element.n, 2 * PAIRS);
+    assert_true(r.overlap < 1e-4);
+    bed_clear(&b);
+}
+
 static void layouts_that_are_none(void **state)
 {
     (void)state;
@@ -246,6 +270,7 @@ int main(void)
         cmocka_unit_test(strokes_out_of_range),
         cmocka_unit_test(strokes_beyond_counting),
         cmocka_unit_test(heaps_come_apart),
+        cmocka_unit_test(what_lies_within_comes_out),
         cmocka_unit_test(layouts_that_are_none),
         cmocka_unit_test(brushes_out_of_range),
         cmocka_unit_test(brushes_of_odd_kinds),
