@@ -24,7 +24,7 @@ enum {
     AFTER = 5,    /* rounds after each */
     EVEN = 8,     /* rounds of even gaps with pulls */
     LAST = 12,    /* rounds of narrow gaps, each time */
-    STRAIGHT = 2, /* times that directions are found anew */
+    STRAIGHT = 3, /* times that directions are found anew */
     SHRINKS = 16,
     LOOSE = 6 /* rounds between iterations */
 };
@@ -205,14 +205,14 @@ static tz_status turn_again(tz_fill_outlines *o)
 static tz_status straighten(tz_fill_outlines *o)
 {
     tz_status s = TZ_OK;
-    for (int k = 0; k < (o->f->local ? 1 : STRAIGHT) && s == TZ_OK; k++) {
+    for (int k = o->f->local ? STRAIGHT - 1 : 0; k < STRAIGHT && s == TZ_OK; k++) {
+        const bool last = k == STRAIGHT - 1; /* only what overlaps is pushed, if any */
         s = turn_again(o);
         o->straight = true;
         if (s == TZ_OK)
-            s = tz_fill_contacts_relax(o, AFTER, NARROW, NULL);
+            s = tz_fill_contacts_relax(o, last ? LAST : AFTER, last ? TIGHT : NARROW,
+                                       NULL);
     }
-    if (s == TZ_OK)
-        s = tz_fill_contacts_relax(o, LAST, TIGHT, NULL);
     o->straight = false;
     return s;
 }
