@@ -97,7 +97,8 @@ tz_status tz_cli_usage(tz_cli *cli, const char *fmt, ...) TZ_PRINTF(2, 3);
 const char *tz_cli_find(const tz_cli *cli, const char *path);
 /** Whether the command is to make this output: always, but under replay only that one. */
 bool tz_cli_makes(const tz_cli *cli, const char *makes);
-/** Whether the command line (or the recipe) names the option. */
+/** Whether the command line (or the recipe) names the option. Recipes keep that only of options
+ * that decides() in record.c lists: add yours. */
 bool tz_cli_given(const tz_cli *cli, const char *name);
 /** Marks an option as given. */
 tz_status tz_cli_give(tz_cli *cli, const tz_param *row);

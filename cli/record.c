@@ -73,7 +73,18 @@ tz_status tz_record_rules(tz_cli *cli, tz_record *r, const char *path)
     return s;
 }
 
-/* Every option that is recorded, and which of them were given. */
+/* Options that decide by being named, whatever they say: tz_cli_given asks for them. The
+ * recipe tells no others, so that naming a default changes no bytes. */
+static bool decides(const char *name)
+{
+    static const char *const names[] = {"size", "wrap", "rotation", "rotate-auto"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(names[i], name) == 0)
+            return true;
+    return false;
+}
+
+/* Every option that is recorded, and which of those that decide were named. */
 static tz_status add_options(tz_cli *cli, tz_recipe *recipe)
 {
     const tz_command *c = cli->command;
@@ -84,7 +95,7 @@ static tz_status add_options(tz_cli *cli, tz_recipe *recipe)
             continue;
         s = tz_recipe_add_params(recipe, t, (char *)cli->values + c->group[g].offset);
         for (int32_t i = 0; s == TZ_OK && i < t->n; i++)
-            if (tz_cli_given(cli, t->row[i].name))
+            if (decides(t->row[i].name) && tz_cli_given(cli, t->row[i].name))
                 s = tz_recipe_add_given(recipe, t->row[i].name);
     }
     return s;

@@ -8,8 +8,8 @@
  *    "makes": "colour",              which of the command's outputs this is
  *    "operands": ["rocks.jpg"],      as given
  *    "parameters": {"size": "2048x2048", "seed": "7", ...},   every option's text
- *    "given": ["seed"],              those of them that were named; others hold what the
- *                                    program has chosen, or chooses again
+ *    "given": ["size"],              those that were named, of all that decide by being
+ *                                    named: without a size the program chooses one
  *    "inputs": [{"path": "rocks.jpg", "sha256": "..."}, ...]} */
 #ifndef TZ_SYNTHESIS_RECIPE_H
 #define TZ_SYNTHESIS_RECIPE_H
