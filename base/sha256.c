@@ -108,9 +108,14 @@ tz_status tz_file_sha256(tz_ctx *ctx, const char *path, char hex[65])
     if (!f)
         return tz_fail(ctx, TZ_IO, "%s: cannot open: %s; check the name", path,
                        strerror_r(errno, text, sizeof text));
-    if (fstat(fileno(f), &st) == 0 && S_ISDIR(st.st_mode)) {
+    if (fstat(fileno(f), &st) == 0 && !S_ISREG(st.st_mode)) {
         fclose(f);
-        return tz_fail(ctx, TZ_IO, "%s: is a directory; name a file in it", path);
+        return S_ISDIR(st.st_mode)
+                   ? tz_fail(ctx, TZ_IO, "%s: is a directory; name a file in it", path)
+                   : tz_fail(ctx, TZ_IO,
+                             "%s: is a device or a pipe, which cannot be read twice; "
+                             "save it to a file and name that",
+                             path);
     }
     sha256 s;
     start(&s);

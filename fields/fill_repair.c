@@ -247,8 +247,10 @@ tz_status tz_fill_repair(tz_fill *f)
     tz_status s = tz_fill_lists(f);
     if (s == TZ_OK && f->live.n == 0)
         return TZ_OK;
-    if (s == TZ_OK)
+    if (s == TZ_OK) {
+        tz_fill_release(f);
         s = tz_fill_outlines_init(f, &o);
+    }
     if (s == TZ_OK) {
         ask_gaps(&o);
         s = tz_fill_contacts_relax(&o, f->local ? AFTER : FIRST, 1, NULL);

@@ -75,6 +75,7 @@ static void unreadable(void **state)
     fails(ctx, tz_file_read(ctx, "/dev/zero", 100, &data, &n), TZ_LIMIT, "limit");
     fails(ctx, tz_file_sha256(ctx, in_dir("none"), hex), TZ_IO, "cannot open");
     fails(ctx, tz_file_sha256(ctx, dir, hex), TZ_IO, "is a directory");
+    fails(ctx, tz_file_sha256(ctx, "/dev/zero", hex), TZ_IO, "cannot be read twice");
     end_ctx(ctx);
 }
 
