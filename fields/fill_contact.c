@@ -6,12 +6,12 @@
  *     + sum over borders (lack - n x_a - m_a t_a)^2
  *     + EASE sum (|x_a|^2 + t_a^2) + STIFF sum (T_a + t_a)^2 + even sum |x_a - g_a|^2,
  *
- * n the way out of a contact, m its arm over the reach, T the turn so far, g the way to the centre of
- * its cells: bodies slide
- * freely along each other, long ones out of jams along themselves, but turn only where
- * much presses, and back when it no longer does; for directions are the solver's and the
- * artist's. All are moved together, by conjugate gradients, so that what is pressed
- * anywhere spreads in few rounds to where there is room; finding contacts costs most.
+ * n the way out of a contact, m its arm over the reach, T the turn so far, g the way to
+ * the centre of its cells: bodies slide freely along each other, long ones out of jams
+ * along themselves, but turn only where much presses, and back when it no longer does;
+ * for directions are the solver's and the artist's. All are moved together, by conjugate
+ * gradients, so that what is pressed anywhere spreads in few rounds to where there is
+ * room; finding contacts costs most.
  *
  * @source Gauss-Newton on penalties; the steps that single contacts would take one by one
  *   are those of Mueller et al., Position based dynamics, 2007 */

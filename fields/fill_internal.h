@@ -224,6 +224,23 @@ static inline double tz_fill_scale(const tz_fill *f, int32_t s)
     return f->c[f->node[s]];
 }
 
+/** A system over all awake nodes, of the weights that stand in the fill. */
+static inline tz_fill_system tz_fill_system_of(const tz_fill *f, int m, int columns)
+{
+    return (tz_fill_system){.ctx = f->ctx,
+                            .nodes = f->live_node.n,
+                            .node = f->live_node.v,
+                            .m = m,
+                            .columns = columns,
+                            .start = f->link_start,
+                            .count = f->link_count,
+                            .to = f->edge_to,
+                            .w = f->edge_w,
+                            .diag = f->diag,
+                            .work = f->work,
+                            .size = f->n};
+}
+
 /** What is awake is about to move. */
 static inline void tz_fill_release(tz_fill *f)
 {

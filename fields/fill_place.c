@@ -289,18 +289,7 @@ tz_status tz_fill_distribution_step(tz_fill *f, const tz_power_cells *cells,
         s = tz_fill_blocks(f->ctx, f->live_node.n, find_hits, &t, sums);
     const double per = 1 / (f->unit * f->unit);
     before_after[0] = (sums[0] + sums[1] + sums[2]) * per;
-    const tz_fill_system y = {.ctx = f->ctx,
-                              .nodes = f->live_node.n,
-                              .node = f->live_node.v,
-                              .m = f->dim,
-                              .columns = 1,
-                              .start = f->link_start,
-                              .count = f->link_count,
-                              .to = f->edge_to,
-                              .w = f->edge_w,
-                              .diag = f->diag,
-                              .work = f->work,
-                              .size = f->n};
+    const tz_fill_system y = tz_fill_system_of(f, f->dim, 1);
     if (s == TZ_OK)
         s = tz_fill_solve(&y, f->gradient, SMALL * f->unit, ROUNDS, f->step);
     if (s == TZ_OK && terms)

@@ -109,18 +109,7 @@ static tz_status scalar_step(tz_fill *f, double *v, const double *said,
     before_after[0] = before_after[1] = sums[0] + sums[1] + sums[2];
     if (s != TZ_OK || !(before_after[0] > 1e-12 * f->live_node.n))
         return s;
-    const tz_fill_system y = {.ctx = f->ctx,
-                              .nodes = f->live_node.n,
-                              .node = f->live_node.v,
-                              .m = 1,
-                              .columns = 1,
-                              .start = f->link_start,
-                              .count = f->link_count,
-                              .to = f->edge_to,
-                              .w = f->edge_w,
-                              .diag = f->diag,
-                              .work = f->work,
-                              .size = f->n};
+    const tz_fill_system y = tz_fill_system_of(f, 1, 1);
     s = tz_fill_solve(&y, f->gradient, SMALL, ROUNDS, f->step);
     if (s == TZ_OK)
         s = tz_fill_blocks(f->ctx, f->live_node.n, add_scalar, &t, NULL);
@@ -324,21 +313,10 @@ tz_status tz_fill_turn_step(tz_fill *f, double before_after[2])
     double energy = total(sums);
     before_after[0] = energy;
     t.weights = false;
-    const tz_fill_system y = {.ctx = f->ctx,
-                              .nodes = f->live_node.n,
-                              .node = f->live_node.v,
-                              .m = f->m,
-                              .columns = f->columns,
-                              .start = f->link_start,
-                              .count = f->link_count,
-                              .to = f->edge_to,
-                              .w = f->edge_w,
-                              .diag = f->diag,
-                              .u = f->dim == 2 ? f->kept : NULL,
-                              .rank = f->rank,
-                              .block = f->dim == 3 ? f->block : NULL,
-                              .work = f->work,
-                              .size = f->n};
+    tz_fill_system y = tz_fill_system_of(f, f->m, f->columns);
+    y.u = f->dim == 2 ? f->kept : NULL;
+    y.rank = f->rank;
+    y.block = f->dim == 3 ? f->block : NULL;
     for (int k = 0; k < LM_STEPS && s == TZ_OK && energy > 1e-9 * f->live_node.n; k++) {
         for (int32_t j = 0; j < f->live_node.n; j++)
             memcpy(f->kept + (ptrdiff_t)f->live_node.v[j] * f->m,
